@@ -1,0 +1,1 @@
+//! Cases on disk: dictionaries to configuration, fields, time directories, functions, plots.

@@ -1,0 +1,1 @@
+//! OpenFOAM dictionaries: spans, a parser that never fails, typed readers, diagnostics.

@@ -1,0 +1,1 @@
+//! Finite volumes: fields, boundary conditions, limiters, gradients, equations as data.

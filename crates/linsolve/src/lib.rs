@@ -1,0 +1,1 @@
+//! Sparse matrices, Krylov solvers, incomplete factorisations and algebraic multigrid.

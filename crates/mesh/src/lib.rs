@@ -1,0 +1,1 @@
+//! Polyhedral meshes: topology, geometry, blockMesh, checks, renumbering, partitioning.

@@ -1,0 +1,1 @@
+//! Threads and ranks: Exec, Comm, Halo.

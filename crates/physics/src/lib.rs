@@ -1,0 +1,1 @@
+//! Rheologies from Newtonian to nonlocal granular fluidity.
