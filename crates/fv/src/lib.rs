@@ -1,1 +1,24 @@
-//! Finite volumes: fields, boundary conditions, limiters, gradients, equations as data.
+//! Finite volumes: fields and their boundary closures, gradients, convection schemes, equations
+//! as data, and explicit operators.
+
+pub mod conditions;
+mod convection;
+mod differentiable;
+mod equation;
+mod field;
+mod gradient;
+mod limiter;
+pub mod operators;
+mod term;
+mod unknown;
+
+pub use conditions::{Affine, Condition, PatchClosure, PatchView, Surroundings};
+pub use convection::Convection;
+pub use differentiable::Differentiable;
+pub use equation::{DimError, Equation};
+pub use field::{Cell, CellField, Face, FaceField, Field};
+pub use gradient::{Gradient, LeastSquares};
+pub use limiter::{Limiter, LimiterKind, LimiterVisitor};
+pub use operators::Reconstruction;
+pub use term::{Ddt, Term, Terms, ddt, div, div_explicit, laplacian, source, sp};
+pub use unknown::Unknown;

@@ -1,0 +1,679 @@
+//! Lexemes to a tree. Nothing stops it: every mistake becomes a diagnostic and parsing goes on at
+//! the next place that makes sense. Macros and directives are expanded on the way (`expand.rs`),
+//! because what they mean depends on the entries read so far.
+
+use crate::diag::Diag;
+use crate::expand::InputMode;
+use crate::files::Files;
+use crate::lists::{self, Arch, Elem, Payload};
+use crate::scan;
+use crate::source::{Source, Span};
+use crate::token::{Lexeme, lex};
+use crate::tree::{Dict, Entry, Key, Pattern, Tok, Token, Value, brief};
+use std::sync::Arc;
+
+/// Lists of numbers from this length on are one token.
+const PACK: usize = 256;
+/// Nesting beyond this is refused: it would exhaust the stack.
+const DEEPEST: usize = 100;
+/// After this many mistakes a file is something else than a dictionary.
+const MOST_DIAGS: usize = 100;
+/// Tokens that macros may produce in one file; guards against doubling definitions.
+const MOST_EXPANDED: usize = 20_000_000;
+
+/// Parses a dictionary file: whatever was understood, and everything that is wrong.
+pub fn parse(src: Arc<Source>, files: &mut dyn Files) -> (Dict, Vec<Diag>) {
+    let mut p = Parser::new(files);
+    p.open_files.push(src.path.clone());
+    let mut c = Cursor::new(&src);
+    p.scopes.push(Scope { name: String::new(), dict: root(&src) });
+    p.entries(&mut c, None);
+    let dict = p.scopes.pop().map(|s| s.dict).unwrap_or_default();
+    (dict, p.diags)
+}
+
+/// Parses a text without includes; messages name it `text`.
+pub fn parse_str(text: &str) -> (Dict, Vec<Diag>) {
+    parse(Source::new("text", text), &mut crate::files::NoFiles)
+}
+
+fn root(src: &Arc<Source>) -> Dict {
+    let end = src.text.trim_ascii_end().len();
+    Dict { entries: Vec::new(), open: Span::new(src, 0..0), close: Span::new(src, end..end) }
+}
+
+/// A place in one file.
+pub(crate) struct Cursor {
+    pub(crate) src: Arc<Source>,
+    pub(crate) at: usize,
+    /// Set by a header that says `format binary`.
+    pub(crate) binary: Option<Arch>,
+}
+impl Cursor {
+    pub(crate) fn new(src: &Arc<Source>) -> Cursor {
+        Cursor { src: src.clone(), at: 0, binary: None }
+    }
+    pub(crate) fn peek(&self) -> (Lexeme, Span) {
+        let (l, r) = lex(&self.src.text, self.at);
+        (l, Span::new(&self.src, r))
+    }
+    pub(crate) fn next(&mut self) -> (Lexeme, Span) {
+        let (l, s) = self.peek();
+        self.at = s.range.end;
+        (l, s)
+    }
+    /// Takes the mark `m` if it stands next.
+    pub(crate) fn take(&mut self, m: u8) -> Option<Span> {
+        let at = scan::space(&self.src.text, self.at);
+        if self.src.text.get(at) != Some(&m) {
+            return None;
+        }
+        self.at = at + 1;
+        Some(Span::new(&self.src, at..at + 1))
+    }
+    /// Skips to the end, so that every open construct closes.
+    pub(crate) fn abandon(&mut self) {
+        self.at = self.src.text.len();
+    }
+}
+
+/// A dictionary being filled.
+pub(crate) struct Scope {
+    pub(crate) name: String,
+    pub(crate) dict: Dict,
+}
+
+pub(crate) struct Parser<'f> {
+    pub(crate) files: &'f mut dyn Files,
+    pub(crate) scopes: Vec<Scope>,
+    pub(crate) diags: Vec<Diag>,
+    pub(crate) mode: InputMode,
+    pub(crate) open_files: Vec<String>,
+    /// Tokens produced by macros so far.
+    pub(crate) expanded: usize,
+    depth: usize,
+    /// Too many mistakes: say nothing more.
+    silent: bool,
+}
+
+/// A list broke off at a mark that belongs to something around it; it was reported.
+pub(crate) struct Broken;
+
+impl<'f> Parser<'f> {
+    pub(crate) fn new(files: &'f mut dyn Files) -> Parser<'f> {
+        Parser {
+            files,
+            scopes: Vec::new(),
+            diags: Vec::new(),
+            mode: InputMode::Merge,
+            open_files: Vec::new(),
+            expanded: 0,
+            depth: 0,
+            silent: false,
+        }
+    }
+    pub(crate) fn push(&mut self, d: Diag) {
+        if self.silent {
+            return;
+        }
+        self.diags.push(d);
+        if self.diags.len() == MOST_DIAGS {
+            self.silent = true;
+            if let Some(last) = self.diags.last_mut() {
+                last.help = Some("further mistakes in this file are not listed".into());
+            }
+        }
+    }
+    /// The dictionary being filled.
+    pub(crate) fn here(&mut self) -> &mut Dict {
+        if self.scopes.is_empty() {
+            self.scopes.push(Scope { name: String::new(), dict: Dict::new() });
+        }
+        let last = self.scopes.len() - 1;
+        &mut self.scopes[last].dict
+    }
+    pub(crate) fn add(&mut self, entry: Entry) {
+        let mode = self.mode;
+        let old = self.here().same_key(&entry.key);
+        match (old, mode) {
+            (Some(_), InputMode::Protect) => {}
+            (Some(_), InputMode::Warn) => {
+                let text = format!("`{}` is given twice; the first one holds", entry.key.text());
+                self.push(Diag::warning(&entry.key_span, text).label("ignored (#inputMode warn)"));
+            }
+            (Some(_), InputMode::Error) => {
+                let text = format!("`{}` is given twice", entry.key.text());
+                self.push(
+                    Diag::error(&entry.key_span, text).label("#inputMode error forbids this"),
+                );
+            }
+            _ => self.here().insert(entry),
+        }
+    }
+    /// Counts tokens made by macros; false when there are too many.
+    pub(crate) fn afford(&mut self, n: usize, at: &Span) -> bool {
+        let before = self.expanded;
+        self.expanded = before.saturating_add(n);
+        if before <= MOST_EXPANDED && self.expanded > MOST_EXPANDED {
+            self.push(Diag::error(at, "macros expand to too much text").label("given up here"));
+        }
+        self.expanded <= MOST_EXPANDED
+    }
+    fn too_deep(&mut self, c: &mut Cursor, at: &Span) -> bool {
+        if self.depth < DEEPEST {
+            return false;
+        }
+        if c.at < c.src.text.len() {
+            self.push(
+                Diag::error(at, format!("nested more than {DEEPEST} deep")).label("given up here"),
+            );
+        }
+        c.abandon();
+        self.silent = true;
+        true
+    }
+
+    /// Entries up to `}` (of the brace at `open`) or the end of the file; returns the closing place.
+    pub(crate) fn entries(&mut self, c: &mut Cursor, open: Option<&Span>) -> Span {
+        loop {
+            let before = c.at;
+            let (lexeme, span) = c.next();
+            match lexeme {
+                Lexeme::End => {
+                    let tail = scan_comment_start(&c.src.text, before);
+                    if let Some(at) = tail {
+                        let at = Span::new(&c.src, at..at + 2);
+                        self.push(
+                            Diag::error(&at, "this comment is not closed").label("`*/` is missing"),
+                        );
+                    } else if let Some(open) = open {
+                        let d = Diag::error(open, "this `{` is not closed");
+                        self.push(d.label("no matching `}`"));
+                    }
+                    return root(&c.src).close;
+                }
+                Lexeme::Mark(b'}') if open.is_some() => return span,
+                Lexeme::Mark(b';') => {}
+                Lexeme::Mark(b'(') => self.stray_list(c, &span),
+                Lexeme::Mark(m) => {
+                    let m = char::from(m);
+                    let d = Diag::error(&span, format!("unexpected `{m}`"));
+                    self.push(d.label(if m == '}' {
+                        "nothing to close here"
+                    } else {
+                        "a keyword is needed here"
+                    }));
+                }
+                Lexeme::Punct(m) => {
+                    let d = Diag::error(&span, format!("unexpected `{m}`"));
+                    self.push(d.label("a keyword is needed here"));
+                }
+                Lexeme::Label(_) if c.src.text.get(c.at) == Some(&b'(') || lone_count(c) => {
+                    c.take(b'(');
+                    self.stray_list(c, &span);
+                }
+                Lexeme::Macro(name) => self.key_macro(c, &name, &span),
+                Lexeme::Directive(name) => self.directive(c, &name, &span),
+                Lexeme::Expression(_) | Lexeme::Verbatim { .. } => {
+                    self.push(
+                        Diag::error(&span, "a keyword is needed here").label("not a keyword"),
+                    );
+                }
+                Lexeme::Str { text, closed } => {
+                    self.check_quote(closed, &span);
+                    let text = self.expand_text(&text, &span);
+                    let (pattern, why) = Pattern::new(&text);
+                    if let Some(why) = why {
+                        let d =
+                            Diag::error(&span, format!("this key is no regular expression: {why}"));
+                        self.push(d.label("cannot be matched"));
+                    }
+                    self.value(c, Key::Regex(pattern), span);
+                }
+                Lexeme::Template(text) => {
+                    let text = self.expand_text(&text, &span);
+                    self.value(c, Key::Word(text), span);
+                }
+                Lexeme::Word(_) | Lexeme::Number(_) | Lexeme::Label(_) => {
+                    let key = Key::Word(span.text().into_owned());
+                    self.value(c, key, span);
+                }
+            }
+        }
+    }
+    pub(crate) fn check_quote(&mut self, closed: bool, span: &Span) {
+        if !closed {
+            let d = Diag::error(span, "this text in quotes is not closed on its line");
+            self.push(d.label("`\"` is missing"));
+        }
+    }
+    /// A list where a keyword is needed: one message, not one a number.
+    fn stray_list(&mut self, c: &mut Cursor, span: &Span) {
+        let d = Diag::error(span, "a list stands where a keyword is needed").label("not a keyword");
+        self.push(d.help("give it a name: `name ( ... );`"));
+        let quiet = std::mem::replace(&mut self.silent, true);
+        let _ = self.list(c, span);
+        self.silent = quiet;
+    }
+
+    /// The value of `key` and the entry's end.
+    pub(crate) fn value(&mut self, c: &mut Cursor, key: Key, key_span: Span) {
+        if let Some(open) = c.take(b'{') {
+            let from = match (self.here().same_key(&key), self.mode) {
+                (Some(i), mode) if mode != InputMode::Overwrite => {
+                    match &self.here().entries[i].value {
+                        Value::Dict(old) => Some(old.clone()),
+                        Value::Stream(_) => None,
+                    }
+                }
+                _ => None,
+            };
+            let Some(dict) = self.block(c, key.text().to_owned(), open, from) else { return };
+            if key.text() == "FoamFile" && self.scopes.len() == 1 {
+                if dict.word("format") == Some("binary") {
+                    c.binary = Some(Arch::parse(dict.word("arch").unwrap_or("")));
+                }
+                if self.open_files.len() > 1 {
+                    return;
+                }
+            }
+            // In the guarding modes an existing dictionary is still merged into, entry by entry.
+            let value = Value::Dict(dict);
+            match self.here().same_key(&key) {
+                Some(i) if self.mode != InputMode::Overwrite => {
+                    self.here().entries[i].value = value
+                }
+                _ => self.here().insert(Entry { key, key_span, value }),
+            }
+            return;
+        }
+        let mut out: Vec<Token> = Vec::new();
+        let mut last = key_span.clone();
+        loop {
+            let (lexeme, span) = c.peek();
+            match lexeme {
+                Lexeme::Mark(b';') => {
+                    c.at = span.range.end;
+                    break;
+                }
+                Lexeme::End | Lexeme::Mark(b'}') => {
+                    self.missing_semicolon(&key, &last, None);
+                    break;
+                }
+                Lexeme::Mark(b'{') => {
+                    // `a 1` newline `b {`: the word before the brace is the next keyword.
+                    if let Some(word) = self.swallowed_key(&out, &key_span, c) {
+                        out.pop();
+                        c.at = word.range.start;
+                        last = out.last().map_or(key_span.clone(), |t| t.span.clone());
+                        self.missing_semicolon(&key, &last, Some(&word.text()));
+                        break;
+                    }
+                    c.at = span.range.end;
+                    let Some(d) = self.block(c, String::new(), span.clone(), None) else { break };
+                    out.push(Token { kind: Tok::Dict(d), span });
+                }
+                _ => {
+                    if self.item(c, &mut out).is_err() {
+                        c.take(b';');
+                        break;
+                    }
+                }
+            }
+            last = Span::new(&c.src, c.at.saturating_sub(1)..c.at);
+        }
+        // `key $dict;` copies a dictionary.
+        let value = match out.as_slice() {
+            [Token { kind: Tok::Dict(d), .. }] => Value::Dict(d.clone()),
+            _ => Value::Stream(out),
+        };
+        self.add(Entry { key, key_span, value });
+    }
+    /// The span of the last token, when it is a word of this file at the start of a line.
+    fn swallowed_key(&self, out: &[Token], key_span: &Span, c: &Cursor) -> Option<Span> {
+        let (last, before) = out.split_last()?;
+        let prev = before.last().map_or(key_span, |t| &t.span);
+        let here = Arc::ptr_eq(&last.span.src, &c.src) && last.word().is_some();
+        (here && prev.line_break_before(&last.span)).then(|| last.span.clone())
+    }
+    fn missing_semicolon(&mut self, key: &Key, last: &Span, next: Option<&str>) {
+        let d =
+            Diag::error(&last.after(), format!("missing `;` after entry `{}`", brief(key.text())));
+        let help = next.map(|n| format!("`{}` on the next line was read as part of it", brief(n)));
+        self.push(d.label("expected `;` here").maybe_help(help));
+    }
+    /// The inside of `{ }` whose brace was taken; continues `from` when the key occurs again.
+    pub(crate) fn block(
+        &mut self,
+        c: &mut Cursor,
+        name: String,
+        open: Span,
+        from: Option<Dict>,
+    ) -> Option<Dict> {
+        if self.too_deep(c, &open) {
+            return None;
+        }
+        self.depth += 1;
+        let mut dict = from.unwrap_or_default();
+        dict.open = open.clone();
+        self.scopes.push(Scope { name, dict });
+        let close = self.entries(c, Some(&open));
+        self.depth -= 1;
+        let mut dict = self.scopes.pop()?.dict;
+        dict.close = close;
+        Some(dict)
+    }
+
+    /// One piece of a stream or list, appended to `out`.
+    pub(crate) fn item(&mut self, c: &mut Cursor, out: &mut Vec<Token>) -> Result<(), Broken> {
+        let (lexeme, span) = c.next();
+        let kind = match lexeme {
+            Lexeme::Word(w) => match typed(&w) {
+                Some(elem) => return self.typed_list(c, w, elem, span, out),
+                None => Tok::Word(w),
+            },
+            Lexeme::Template(t) => Tok::Word(self.expand_text(&t, &span)),
+            Lexeme::Str { text, closed } => {
+                self.check_quote(closed, &span);
+                Tok::Str(text)
+            }
+            Lexeme::Verbatim { text, closed } => {
+                if !closed {
+                    self.push(
+                        Diag::error(&span, "verbatim text is not closed").label("`#}` is missing"),
+                    );
+                }
+                Tok::Verbatim(text)
+            }
+            Lexeme::Number(x) => Tok::Number(x),
+            Lexeme::Label(n) => return self.counted(c, n, span, out),
+            Lexeme::Punct(m) => Tok::Punct(m),
+            Lexeme::Mark(b'(') => {
+                let (kind, close) = self.list(c, &span)?;
+                out.push(Token { kind, span: span.to(&close) });
+                return Ok(());
+            }
+            Lexeme::Mark(b'[') => return self.bracket(c, span, out),
+            Lexeme::Mark(b'{') => {
+                let name = out.last().and_then(Token::word).unwrap_or("").to_owned();
+                let d = self.block(c, name, span.clone(), None).ok_or(Broken)?;
+                let span = span.to(&d.close);
+                out.push(Token { kind: Tok::Dict(d), span });
+                return Ok(());
+            }
+            Lexeme::Macro(name) => {
+                self.value_macro(&name, &span, out);
+                return Ok(());
+            }
+            Lexeme::Expression(text) => {
+                let kind = self.arithmetic(&text, &span, span.range.start + 3, false);
+                kind.unwrap_or(Tok::Number(f64::NAN))
+            }
+            Lexeme::Directive(name) => {
+                self.value_directive(c, &name, &span, out);
+                return Ok(());
+            }
+            Lexeme::Mark(m) => {
+                let m = char::from(m);
+                self.push(
+                    Diag::error(&span, format!("unexpected `{m}`")).label("nothing to close here"),
+                );
+                return Ok(());
+            }
+            Lexeme::End => return Err(Broken),
+        };
+        out.push(Token { kind, span });
+        Ok(())
+    }
+
+    /// The inside of `( )` whose opening was taken.
+    pub(crate) fn list(&mut self, c: &mut Cursor, open: &Span) -> Result<(Tok, Span), Broken> {
+        if let Some(elem) = lists::guess(&c.src.text, c.at)
+            && let Ok((payload, end)) = lists::ascii(&c.src.text, c.at, elem)
+            && payload.len() >= PACK
+        {
+            c.at = end;
+            let close = Span::new(&c.src, end - 1..end);
+            return Ok((Tok::Packed(Arc::new(lists::narrow(payload))), close));
+        }
+        if self.too_deep(c, open) {
+            return Err(Broken);
+        }
+        self.depth += 1;
+        let result = self.items(c, open);
+        self.depth -= 1;
+        result
+    }
+    fn items(&mut self, c: &mut Cursor, open: &Span) -> Result<(Tok, Span), Broken> {
+        let mut items = Vec::new();
+        loop {
+            if let Some(close) = c.take(b')') {
+                return Ok((Tok::List(items), close));
+            }
+            if matches!(c.peek().0, Lexeme::End | Lexeme::Mark(b';' | b'}')) {
+                let d = Diag::error(open, "this list is not closed").label("no matching `)`");
+                self.push(d);
+                return Err(Broken);
+            }
+            self.item(c, &mut items)?;
+        }
+    }
+    fn bracket(&mut self, c: &mut Cursor, open: Span, out: &mut Vec<Token>) -> Result<(), Broken> {
+        let mut items = Vec::new();
+        loop {
+            if let Some(close) = c.take(b']') {
+                out.push(Token { kind: Tok::Bracket(items), span: open.to(&close) });
+                return Ok(());
+            }
+            match c.peek().0 {
+                Lexeme::End | Lexeme::Mark(b';' | b'}' | b'{' | b'(' | b')' | b'[') => {
+                    self.push(
+                        Diag::error(&open, "these dimensions are not closed")
+                            .label("no matching `]`"),
+                    );
+                    return Err(Broken);
+                }
+                _ => self.item(c, &mut items)?,
+            }
+        }
+    }
+    /// A whole number: by itself, the length of a list `4(0 1 2 3)`, or of equal items `5{0}`.
+    fn counted(
+        &mut self,
+        c: &mut Cursor,
+        n: i64,
+        span: Span,
+        out: &mut Vec<Token>,
+    ) -> Result<(), Broken> {
+        let number = Token { kind: Tok::Label(n), span: span.clone() };
+        match c.src.text.get(c.at) {
+            Some(b'{') => {
+                c.at += 1;
+                out.push(self.repeated(c, n, &span)?);
+            }
+            Some(b'(') => {
+                c.at += 1;
+                let open = Span::new(&c.src, c.at - 1..c.at);
+                let (kind, close) = self.list(c, &open)?;
+                let len = match &kind {
+                    Tok::List(items) => items.len(),
+                    Tok::Packed(p) => p.len(),
+                    _ => 0,
+                };
+                // `(0(1 2 3))` may also be a pair of a time and a vector.
+                if usize::try_from(n) == Ok(len) {
+                    out.push(Token { kind, span: span.to(&close) });
+                } else {
+                    out.push(number);
+                    out.push(Token { kind, span: open.to(&close) });
+                }
+            }
+            _ => out.push(number),
+        }
+        Ok(())
+    }
+    /// The inside of `N{ }`, brace taken.
+    fn repeated(&mut self, c: &mut Cursor, n: i64, count: &Span) -> Result<Token, Broken> {
+        /// Items of one list; beyond it a typing error is likelier than a list.
+        const MOST: i64 = 1 << 26;
+        let mut items = Vec::new();
+        let close = loop {
+            if let Some(close) = c.take(b'}') {
+                break close;
+            }
+            if matches!(c.peek().0, Lexeme::End | Lexeme::Mark(b';' | b')')) {
+                self.push(
+                    Diag::error(count, "this `N{value}` is not closed").label("no matching `}`"),
+                );
+                return Err(Broken);
+            }
+            self.item(c, &mut items)?;
+        };
+        let span = count.to(&close);
+        let (Ok(len), [item]) = (usize::try_from(n), items.as_slice()) else {
+            self.push(
+                Diag::error(&span, "`N{value}` needs a length and one value").label("not a list"),
+            );
+            return Ok(Token { kind: Tok::List(Vec::new()), span });
+        };
+        if n > MOST {
+            self.push(
+                Diag::error(count, format!("a list of {n} items is too long"))
+                    .label("at most 67108864"),
+            );
+            return Ok(Token { kind: Tok::List(Vec::new()), span });
+        }
+        let one = match &item.kind {
+            Tok::Label(i) => Some(Payload::Labels(vec![*i])),
+            Tok::Number(x) => Some(Payload::Scalars(vec![*x])),
+            Tok::List(_) => item.vec3().map(|v| Payload::Vectors(vec![v])),
+            _ => None,
+        };
+        let packed = one.filter(|_| len >= PACK).and_then(|one| lists::repeat(&one, len));
+        let kind = match packed {
+            Some(p) => Tok::Packed(Arc::new(p)),
+            None if self.afford(len, count) => Tok::List(vec![item.clone(); len]),
+            None => Tok::List(Vec::new()),
+        };
+        Ok(Token { kind, span })
+    }
+    /// Behind `List<T>`: `N ( .. )` in the format of the file, `( .. )`, `N{v}`.
+    fn typed_list(
+        &mut self,
+        c: &mut Cursor,
+        word: String,
+        elem: Option<Elem>,
+        span: Span,
+        out: &mut Vec<Token>,
+    ) -> Result<(), Broken> {
+        let start = c.at;
+        let mut count = None;
+        if let (Lexeme::Label(n), at) = c.peek() {
+            c.at = at.range.end;
+            count = Some((n, at));
+        }
+        if let (Some((n, at)), Some(_)) = (&count, c.take(b'{')) {
+            let mut token = self.repeated(c, *n, &at.clone())?;
+            token.span = span.to(&token.span);
+            out.push(token);
+            return Ok(());
+        }
+        let Some(open) = c.take(b'(') else {
+            match (&count, elem) {
+                // OpenFOAM writes an empty binary list without parentheses.
+                (Some((0, at)), Some(elem)) => {
+                    let kind = Tok::Packed(Arc::new(lists::empty(elem)));
+                    out.push(Token { kind, span: span.to(at) });
+                }
+                _ => {
+                    c.at = start;
+                    out.push(Token { kind: Tok::Word(word), span });
+                }
+            }
+            return Ok(());
+        };
+        let Some(elem) = elem else {
+            let (kind, close) = self.list(c, &open)?;
+            out.push(Token { kind, span: span.to(&close) });
+            return Ok(());
+        };
+        let len = count.as_ref().map(|(n, at)| (usize::try_from(*n).unwrap_or(usize::MAX), at));
+        let read = match (c.binary, len) {
+            (Some(arch), Some((n, _))) => lists::binary(&c.src.text, c.at, elem, n, arch),
+            _ => lists::ascii(&c.src.text, c.at, elem),
+        };
+        match read {
+            Ok((payload, end)) => {
+                c.at = end;
+                if let Some((n, at)) = len.filter(|(n, _)| *n != payload.len()) {
+                    let found = payload.len();
+                    let d =
+                        Diag::error(at, format!("this list announces {n} items and holds {found}"));
+                    self.push(d.label(format!("expected {found}")));
+                }
+                let span = span.to(&Span::new(&c.src, end - 1..end));
+                out.push(Token { kind: Tok::Packed(Arc::new(payload)), span });
+                Ok(())
+            }
+            Err(e) => {
+                let b = &c.src.text;
+                let end = lex(b, e.at).1.end.clamp(e.at, b.len());
+                let at = Span::new(&c.src, e.at.min(end)..end);
+                self.push(Diag::error(&at, e.message).label(e.label));
+                if c.binary.is_some() {
+                    // Raw bytes cannot be searched for the next entry.
+                    c.abandon();
+                    self.silent = true;
+                    return Err(Broken);
+                }
+                c.at = close_of(b, open.range.end);
+                out.push(Token { kind: Tok::Packed(Arc::new(lists::empty(elem))), span });
+                Ok(())
+            }
+        }
+    }
+}
+
+/// `List<T>`: the kind of `T`, `None` inside for one without a packed form.
+fn typed(word: &str) -> Option<Option<Elem>> {
+    let t = word.strip_prefix("List<")?.strip_suffix('>')?;
+    Some(Elem::of_type(t))
+}
+
+/// Whether the only thing left is a list, as in `points` files.
+fn lone_count(c: &Cursor) -> bool {
+    let b = &c.src.text;
+    b.get(scan::space(b, c.at)) == Some(&b'(')
+}
+
+/// Offset behind the `)` that closes a list, parentheses counted; stops before `;` and `}`.
+fn close_of(b: &[u8], mut at: usize) -> usize {
+    let mut depth = 1usize;
+    loop {
+        let (l, r) = lex(b, at);
+        match l {
+            Lexeme::Mark(b'(') => depth += 1,
+            Lexeme::Mark(b')') if depth == 1 => return r.end,
+            Lexeme::Mark(b')') => depth -= 1,
+            Lexeme::Mark(b';' | b'}') | Lexeme::End => return r.start,
+            _ => {}
+        }
+        at = r.end;
+    }
+}
+
+/// Where a comment starts that runs to the end of the file without being closed.
+fn scan_comment_start(b: &[u8], from: usize) -> Option<usize> {
+    let mut at = from;
+    while at < b.len() {
+        if b[at] == b'/' {
+            if scan::unclosed_comment(b, at) {
+                return Some(at);
+            }
+            at = scan::space(b, at).max(at + 1);
+        } else {
+            at += 1;
+        }
+    }
+    None
+}

@@ -1,0 +1,148 @@
+//! Momentum, paper eq. 8:
+//!
+//! `d(rho U)/dt + div(rho phi U) - div(eta (grad U + grad U^T)) = -grad p + rho G`
+//!
+//! with the transpose part in conservative form, taken from the last outer iteration.
+
+use crate::{Flow, StepError, TimeScheme};
+use granflow_base::Value;
+use granflow_fv::{Ddt, ddt, div, div_explicit, laplacian, operators, source};
+
+impl Flow {
+    /// Coefficients of the time scheme for this step.
+    pub(crate) fn ddt_coefficients(&self, dt: f64) -> [f64; 3] {
+        match self.numerics.ddt {
+            TimeScheme::Backward if self.state.dt_old > 0.0 => {
+                // Backward differences on unequal steps, r = dt/dt_old.
+                let r = dt / self.state.dt_old;
+                [1.0 + r / (1.0 + r), 1.0 + r, r * r / (1.0 + r)]
+            }
+            _ => [1.0, 1.0, 0.0],
+        }
+    }
+
+    /// Assembles the momentum equation with the fields as they stand, and its right-hand side
+    /// with the pressure gradient into `work.b`.
+    pub(crate) fn assemble_momentum(&mut self, dt: f64) -> Result<(), StepError> {
+        let c = self.ddt_coefficients(dt);
+        self.explicit_momentum_flux();
+        let Flow { exec, mesh, state, numerics, work: w, .. } = self;
+        let inertia = Ddt {
+            rho: &w.rho,
+            rho_old: &w.rho,
+            old: &w.u_start,
+            older: &state.u_old,
+            dt,
+            c,
+        };
+        let momentum = ddt(inertia) + div(&w.rho_phi, &w.weights)
+            - laplacian(&w.eta_f)
+            - div_explicit(&w.explicit)
+            - source(&w.body);
+        w.u_eqn.assemble(exec, mesh, &state.u, &momentum)?;
+        numerics.gradient.of(exec, mesh, &state.p, &mut w.grad_p);
+        let (b, grad_p, volume) = (&w.u_eqn.b, &w.grad_p, &mesh.volume);
+        exec.for_each(&mut w.b, |first, out| {
+            for (i, rhs) in out.iter_mut().enumerate() {
+                let c = first + i;
+                *rhs = b[c].axpy(-volume[c], grad_p[c]);
+            }
+        });
+        Ok(())
+    }
+
+    /// Everything of the momentum flux that is not in the matrix, into `work.explicit`.
+    fn explicit_momentum_flux(&mut self) {
+        let Flow { exec, mesh, state, numerics, work: w, fluid, .. } = self;
+        numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
+        let rho = fluid.rho;
+        let phi = &state.phi.data;
+        exec.for_each(&mut w.rho_phi.data, |first, out| {
+            out.iter_mut().enumerate().for_each(|(i, m)| *m = rho * phi[first + i]);
+        });
+        operators::transpose_stress_flux(
+            exec, mesh, &state.u, &w.grad_u, &w.eta_f, &mut w.explicit,
+        );
+        if mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0 {
+            operators::non_orthogonal_flux(
+                exec,
+                mesh,
+                &state.u,
+                &w.grad_u,
+                &w.eta_f,
+                numerics.non_orthogonal,
+                &mut w.scratch_f,
+            );
+            add_inner(exec, mesh.n_inner, 1.0, &w.scratch_f.data, &mut w.explicit.data);
+        }
+        numerics.convection.weigh(
+            exec,
+            mesh,
+            &state.u,
+            &w.grad_u,
+            &w.rho_phi.data,
+            &mut w.weights,
+            &mut w.scratch_f,
+        );
+        if numerics.convection == granflow_fv::Convection::LinearUpwind {
+            add_inner(exec, mesh.n_inner, -1.0, &w.scratch_f.data, &mut w.explicit.data);
+        }
+    }
+
+    /// Residual of momentum with the matrix as assembled: force imbalance over force.
+    pub(crate) fn momentum_residual(&mut self) -> f64 {
+        let Flow { exec, mesh, state, work: w, .. } = self;
+        w.u_eqn.a.residual(exec, &w.b, &mut state.u.cells.data, &mut w.residual);
+        let n = mesh.n_cells;
+        let (a, b, r, u) = (&w.u_eqn.a, &w.b, &w.residual, &state.u.cells.data);
+        // Forces: what walls, neighbours in relative motion, inertia and sources exert.
+        let [imbalance, force] = exec.sums(n, |range| {
+            let mut s = [0.0; 2];
+            for c in range {
+                let sum = w.u_eqn.row_sum[c];
+                let mut own = u[c].scaled(sum);
+                for k in a.ptr[c] as usize..a.ptr[c + 1] as usize {
+                    let other = a.col[k] as usize;
+                    let pull = u[other].minus(u[c]).scaled(a.val[k]);
+                    s[1] += 0.5 * pull.inner(pull).sqrt();
+                }
+                let wall = a.val[a.diag[c] as usize] + off_diagonal(a, c) - sum;
+                own = own.axpy(wall, u[c]);
+                s[0] += r[c].inner(r[c]).sqrt();
+                s[1] += own.inner(own).sqrt() + b[c].inner(b[c]).sqrt();
+            }
+            s
+        });
+        if force > 0.0 { imbalance / force } else { 0.0 }
+    }
+
+    /// Solves momentum for the velocity with the pressure as it is.
+    pub(crate) fn predict_velocity(&mut self, last: bool) -> Result<granflow_linsolve::Solved, StepError> {
+        let time = self.state.time;
+        let Flow { exec, state, numerics, work: w, .. } = self;
+        let solve = &mut numerics.u;
+        let tolerance = if last { &solve.last } else { &solve.tolerance };
+        let failed = |source| StepError::Solve { field: "U", time, source };
+        solve.solver.refresh(exec, &w.u_eqn.a).map_err(failed)?;
+        crate::settle(solve.solver.solve(
+            exec,
+            &w.u_eqn.a,
+            &w.b,
+            &mut state.u.cells.data,
+            tolerance,
+        ))
+        .map_err(failed)
+    }
+}
+
+/// Sum of the off-diagonal entries of a row.
+fn off_diagonal(a: &granflow_linsolve::Csr, row: usize) -> f64 {
+    let all: f64 = a.val[a.ptr[row] as usize..a.ptr[row + 1] as usize].iter().sum();
+    all - a.val[a.diag[row] as usize]
+}
+
+fn add_inner<T: Value>(exec: &granflow_par::Exec, inner: usize, k: f64, from: &[T], to: &mut [T]) {
+    exec.for_each(&mut to[..inner], |first, to| {
+        to.iter_mut().enumerate().for_each(|(i, t)| *t = t.axpy(k, from[first + i]));
+    });
+}

@@ -1,0 +1,198 @@
+//! What a restart file holds, how to solve, and what a step reports.
+
+use granflow_base::Vec3;
+use granflow_fv::{Convection, FaceField, Gradient, Unknown};
+use granflow_linsolve::{LinearSolver, SolveError, Solved, Tolerance};
+use granflow_physics::{Rheology, RheologyError, RheologyInfo};
+
+/// Exactly what a restart file holds: nothing here follows from the rest, and what is not here
+/// may be garbage between steps. (The rheology's own field, fluidity, is part of it and lives
+/// with its model.)
+pub struct State {
+    /// Time, s.
+    pub time: f64,
+    /// Steps since time zero.
+    pub step: usize,
+    /// Velocity, m/s.
+    pub u: Unknown<Vec3>,
+    /// Velocity one step earlier (backward differences), m/s.
+    pub u_old: Vec<Vec3>,
+    /// Length of the last step, s; 0 before the first.
+    pub dt_old: f64,
+    /// Pressure p, or p_rgh = p - rho G.x where gravity acts, Pa.
+    pub p: Unknown<f64>,
+    /// Volume flux through the faces, m3/s.
+    pub phi: FaceField<f64>,
+}
+
+/// The material: one fluid of constant density.
+pub struct Fluid {
+    /// Density, kg/m3.
+    pub rho: f64,
+    /// Its stress.
+    pub rheology: Box<dyn Rheology>,
+}
+
+/// Forces on the bulk.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gravity {
+    /// The part of gravity that p_rgh absorbs, m/s2.
+    pub hydrostatic: Vec3,
+    /// The part along cyclic directions: a body force, m/s2.
+    pub driving: Vec3,
+}
+
+/// Time scheme.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TimeScheme {
+    /// Implicit Euler, first order.
+    Euler,
+    /// Backward differences over two steps (Gear 1971), second order.
+    Backward,
+}
+
+/// A system's solver with its tolerances.
+pub struct Solve<T> {
+    /// The solver, with its work arrays.
+    pub solver: Box<dyn LinearSolver<T>>,
+    /// Tolerance of inner corrections.
+    pub tolerance: Tolerance,
+    /// Tolerance of the last correction of a step.
+    pub last: Tolerance,
+}
+
+/// When an outer iteration is converged: residuals of one and the same state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResidualControl {
+    /// Momentum: force imbalance over force.
+    pub u: f64,
+    /// Continuity: net over gross flux of the cells.
+    pub p: f64,
+    /// Viscosity: greatest change of its logarithm that one more evaluation would make.
+    pub viscosity: f64,
+}
+
+impl Default for ResidualControl {
+    fn default() -> Self {
+        ResidualControl { u: 1e-8, p: 1e-8, viscosity: 1e-8 }
+    }
+}
+
+/// How to solve, never what: from `fvSchemes` and `fvSolution`.
+pub struct Numerics {
+    /// Time scheme.
+    pub ddt: TimeScheme,
+    /// Convection of velocity.
+    pub convection: Convection,
+    /// Cell gradients.
+    pub gradient: Gradient,
+    /// Non-orthogonal correction: 1 corrected, 0.5 limited, 0 none.
+    pub non_orthogonal: f64,
+    /// Most outer iterations of a step.
+    pub outer: usize,
+    /// Pressure corrections of an outer iteration.
+    pub correctors: usize,
+    /// Repetitions of a pressure correction for non-orthogonality.
+    pub non_orthogonal_correctors: usize,
+    /// Whether momentum is solved before the pressure (else only corrected).
+    pub predictor: bool,
+    /// When to stop the outer iterations early.
+    pub control: ResidualControl,
+    /// Momentum.
+    pub u: Solve<Vec3>,
+    /// Pressure.
+    pub p: Solve<f64>,
+    /// Cell and value of the pressure level where no boundary fixes it; the cell lives on the
+    /// rank that has `Some`.
+    pub reference: Option<(usize, f64)>,
+    /// The level that belongs to `reference`, known on every rank, Pa.
+    pub reference_value: f64,
+}
+
+/// Residuals of one state: momentum, continuity and viscosity with up-to-date fields.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Residuals {
+    /// Force imbalance over force.
+    pub u: f64,
+    /// Net over gross flux of the cells.
+    pub p: f64,
+    /// Greatest change of ln(viscosity) in one more evaluation of the rheology.
+    pub viscosity: f64,
+}
+
+impl Residuals {
+    /// Whether all are within `control`.
+    pub fn within(&self, control: &ResidualControl) -> bool {
+        self.u <= control.u && self.p <= control.p && self.viscosity <= control.viscosity
+    }
+}
+
+/// What a step did.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Report {
+    /// Time at its end, s.
+    pub time: f64,
+    /// Its length, s.
+    pub dt: f64,
+    /// Outer iterations.
+    pub outer: usize,
+    /// Whether the residuals met the control.
+    pub converged: bool,
+    /// Residuals at its end.
+    pub residuals: Residuals,
+    /// First and last momentum solve.
+    pub u: Option<(Solved, Solved)>,
+    /// First and last pressure solve.
+    pub p: Option<(Solved, Solved)>,
+    /// Iterations of all momentum and of all pressure solves.
+    pub iterations: [usize; 2],
+    /// The rheology's own work, summed over the step.
+    pub rheology: RheologyInfo,
+    /// Mean and greatest Courant number.
+    pub courant: [f64; 2],
+    /// Greatest change of velocity in the step over the greatest velocity.
+    pub change: f64,
+}
+
+/// Why a step failed.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum StepError {
+    /// An equation was written wrongly.
+    #[error(transparent)]
+    Dims(#[from] granflow_fv::DimError),
+    /// A linear system was not solved.
+    #[error("{field}: {source} at time {time}")]
+    Solve {
+        /// The unknown.
+        field: &'static str,
+        /// Time, s.
+        time: f64,
+        /// What the solver said.
+        source: SolveError,
+    },
+    /// The rheology gave no viscosity.
+    #[error("viscosity at time {time}: {source}")]
+    Rheology {
+        /// Time, s.
+        time: f64,
+        /// What the model said.
+        source: RheologyError,
+    },
+    /// A field is no longer a number.
+    #[error(
+        "{field} is no longer finite in cell {cell} at ({}, {}, {}), time {time}: {cause}",
+        place[0], place[1], place[2]
+    )]
+    NotFinite {
+        /// The field.
+        field: &'static str,
+        /// Cell of the undecomposed mesh.
+        cell: usize,
+        /// Its centre, m.
+        place: Vec3,
+        /// Time, s.
+        time: f64,
+        /// The likely cause.
+        cause: &'static str,
+    },
+}

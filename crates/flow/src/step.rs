@@ -1,0 +1,277 @@
+//! One time step, top to bottom: conditions, then outer iterations of momentum, pressure and
+//! viscosity until the residuals of one and the same state are small, then the report.
+
+use crate::work::Work;
+use crate::{Fluid, Gravity, Numerics, Report, Residuals, State, StepError};
+use granflow_base::norm;
+use granflow_linsolve::Solved;
+use granflow_mesh::Mesh;
+use granflow_par::Exec;
+use granflow_physics::rheology::RheologyInfo;
+use std::sync::Arc;
+
+/// A flow: what it is, how it is solved, and the scratch to do so.
+pub struct Flow {
+    /// Threads and ranks.
+    pub exec: Exec,
+    /// The mesh.
+    pub mesh: Arc<Mesh>,
+    /// What a restart holds.
+    pub state: State,
+    /// The material.
+    pub fluid: Fluid,
+    /// Forces on the bulk.
+    pub gravity: Gravity,
+    /// How to solve.
+    pub numerics: Numerics,
+    pub(crate) level_fixed: bool,
+    pub(crate) work: Work,
+}
+
+impl Flow {
+    /// Puts the parts together and allocates everything a step needs.
+    pub fn new(
+        exec: Exec,
+        mesh: Arc<Mesh>,
+        state: State,
+        fluid: Fluid,
+        gravity: Gravity,
+        numerics: Numerics,
+    ) -> Self {
+        let work = Work::new(&exec, &mesh, fluid.rho, gravity.driving, &state.p);
+        let fixed = [if state.p.fixes_level(&mesh) { 1.0 } else { 0.0 }];
+        let mut any = fixed;
+        exec.comm().max(&mut any);
+        let level_fixed = any[0] > 0.0;
+        let mut flow = Flow { exec, mesh, state, fluid, gravity, numerics, level_fixed, work };
+        flow.update_conditions();
+        flow
+    }
+
+    /// Advances by `dt` seconds.
+    ///
+    /// # Errors
+    /// [`StepError`]; [`Flow::rollback`] then restores the state before the step.
+    pub fn step(&mut self, dt: f64) -> Result<Report, StepError> {
+        self.begin_step(dt);
+        self.numerics.gradient.of(
+            &self.exec,
+            &self.mesh,
+            &self.state.u,
+            &mut self.work.grad_u,
+        );
+        self.recall_viscosity(dt)?;
+        self.work.anderson.reset();
+        let constant = self.fluid.rheology.is_constant();
+        let outer = self.numerics.outer.max(1);
+        let mut report = Report { time: self.state.time, dt, ..Report::default() };
+        for k in 0..=outer {
+            if k == 0 {
+                self.assemble_momentum(dt)?;
+            } else {
+                if constant && outer == 1 {
+                    // One pass was asked for and nothing depends on it: PISO.
+                    report.converged = true;
+                    break;
+                }
+                if self.measure(dt, constant, k == outer, &mut report)? {
+                    report.converged = true;
+                    break;
+                }
+                if k == outer {
+                    break;
+                }
+            }
+            report.outer = k + 1;
+            self.correct(dt, k + 1 == outer, &mut report)?;
+        }
+        self.end_step(dt, &mut report)?;
+        Ok(report)
+    }
+
+    /// Evaluates the rheology at the flow as it stands, assembles momentum with what comes out,
+    /// and says whether that state is converged. All residuals belong to one state: velocity,
+    /// pressure and flux as they are, viscosity from them.
+    fn measure(
+        &mut self,
+        dt: f64,
+        constant: bool,
+        last: bool,
+        report: &mut Report,
+    ) -> Result<bool, StepError> {
+        let mut settled = true;
+        if !constant {
+            let info = self.evaluate_rheology(dt)?;
+            add(&mut report.rheology, info);
+            report.residuals.viscosity = self.viscosity_residual();
+            settled = report.residuals.viscosity <= self.numerics.control.viscosity;
+            if settled || last {
+                self.accept_viscosity();
+            } else {
+                self.mix_viscosity();
+            }
+        }
+        self.assemble_momentum(dt)?;
+        if settled || last {
+            report.residuals.u = self.momentum_residual();
+            report.residuals.p = self.continuity_residual();
+        }
+        Ok(settled && report.residuals.within(&self.numerics.control))
+    }
+
+    /// Momentum, then the pressure corrections.
+    fn correct(&mut self, dt: f64, last: bool, report: &mut Report) -> Result<(), StepError> {
+        if self.numerics.predictor {
+            let solved = self.predict_velocity(last)?;
+            note(&mut report.u, &mut report.iterations[0], solved);
+            self.update_conditions();
+        }
+        self.update_mobility();
+        for i in 0..self.numerics.correctors {
+            let solved = self.correct_pressure(dt, last && i + 1 == self.numerics.correctors)?;
+            note(&mut report.p, &mut report.iterations[1], solved);
+        }
+        Ok(())
+    }
+
+    fn begin_step(&mut self, dt: f64) {
+        let Flow { state, work: w, fluid, .. } = self;
+        w.u_start.copy_from_slice(&state.u.cells.data);
+        w.p_start.copy_from_slice(&state.p.cells.data);
+        w.phi_start.copy_from_slice(&state.phi.data);
+        fluid.rheology.begin_step();
+        state.time += dt;
+        state.step += 1;
+        self.update_conditions();
+    }
+
+    fn end_step(&mut self, dt: f64, report: &mut Report) -> Result<(), StepError> {
+        self.check_finite()?;
+        let Flow { exec, mesh, state, work: w, .. } = self;
+        let (u, old) = (&state.u.cells.data, &w.u_start);
+        let [change, most] = max2(exec, mesh.n_cells, |c| {
+            [norm(granflow_base::sub(u[c], old[c])), norm(u[c])]
+        });
+        report.change = if most > 0.0 { change / most } else { 0.0 };
+        let phi = &state.phi.data;
+        let courant = |c: usize| {
+            0.5 * dt * mesh.faces_of(c).map(|(f, _)| phi[f].abs()).sum::<f64>() / mesh.volume[c]
+        };
+        let n = mesh.n_cells;
+        let [sum, cells] = exec.sums(n, |r| [r.clone().map(courant).sum(), r.len() as f64]);
+        let greatest = exec.max(n, |r| r.map(courant).fold(0.0, f64::max));
+        report.courant = [sum / cells.max(1.0), greatest];
+        state.u_old.copy_from_slice(&w.u_start);
+        state.dt_old = dt;
+        Ok(())
+    }
+
+    /// Restores the state before the step that failed.
+    pub fn rollback(&mut self) {
+        let Flow { state, work: w, fluid, .. } = self;
+        state.u.cells.data.copy_from_slice(&w.u_start);
+        state.p.cells.data.copy_from_slice(&w.p_start);
+        state.phi.data.copy_from_slice(&w.phi_start);
+        fluid.rheology.rollback();
+    }
+
+    /// Net over gross flux of the cells.
+    fn continuity_residual(&self) -> f64 {
+        let (mesh, phi) = (&self.mesh, &self.state.phi.data);
+        let [net, gross] = self.exec.sums(mesh.n_cells, |range| {
+            let mut s = [0.0; 2];
+            for c in range {
+                let (mut net, mut gross) = (0.0, 0.0);
+                for (f, sign) in mesh.faces_of(c) {
+                    net += sign * phi[f];
+                    gross += phi[f].abs();
+                }
+                s[0] += f64::abs(net);
+                s[1] += gross;
+            }
+            s
+        });
+        if gross > 0.0 { net / gross } else { 0.0 }
+    }
+
+    fn check_finite(&self) -> Result<(), StepError> {
+        let (u, p) = (&self.state.u.cells.data, &self.state.p.cells.data);
+        let bad = |field, finite: &dyn Fn(usize) -> bool| {
+            let cell = (0..self.mesh.n_cells).find(|&c| !finite(c))?;
+            Some(StepError::NotFinite {
+                field,
+                cell: self.mesh.global_cell[cell] as usize,
+                place: self.mesh.cell_centre[cell],
+                time: self.state.time,
+                cause: "the time step is too long for the explicit terms, or a boundary \
+                        condition leaves the flow undetermined",
+            })
+        };
+        let found = bad("U", &|c| u[c].iter().all(|x| x.is_finite()))
+            .or_else(|| bad("p", &|c| p[c].is_finite()));
+        found.map_or(Ok(()), Err)
+    }
+
+    /// Strain rate, stress ratio and viscosity of the state, for output: 1/s, -, Pa s.
+    ///
+    /// # Errors
+    /// [`StepError`] when the rheology gives no viscosity.
+    pub fn derived(&mut self) -> Result<Derived<'_>, StepError> {
+        self.update_conditions();
+        self.numerics.gradient.of(
+            &self.exec,
+            &self.mesh,
+            &self.state.u,
+            &mut self.work.grad_u,
+        );
+        self.recall_viscosity(self.state.dt_old.max(f64::MIN_POSITIVE))?;
+        let Flow { exec, mesh, work: w, state, .. } = self;
+        let gradient = (mesh.max_nonorth_deg > 0.1).then_some(&w.grad_u[..]);
+        w.reconstruction.viscous_stress(exec, mesh, &state.u, gradient, &w.eta_f, &mut w.stress);
+        let (stress, eta) = (&w.stress, &w.eta.data);
+        exec.for_each(&mut w.strain_rate[..mesh.n_cells], |first, out| {
+            for (i, rate) in out.iter_mut().enumerate() {
+                let c = first + i;
+                *rate = granflow_physics::rheology::magnitude(&stress[c]) / eta[c];
+            }
+        });
+        Ok(Derived {
+            strain_rate: &w.strain_rate[..mesh.n_cells],
+            viscosity: &w.eta.data[..mesh.n_cells],
+            viscosity_f: &w.eta_f.data,
+            pressure: &w.pressure[..mesh.n_cells],
+            gradient_u: &w.grad_u,
+        })
+    }
+}
+
+/// Fields that follow from the state.
+pub struct Derived<'a> {
+    /// `sqrt(2 D:D)`, 1/s.
+    pub strain_rate: &'a [f64],
+    /// Dynamic viscosity, Pa s.
+    pub viscosity: &'a [f64],
+    /// The same on faces.
+    pub viscosity_f: &'a [f64],
+    /// Pressure between grains, Pa.
+    pub pressure: &'a [f64],
+    /// Velocity gradient in cells and ghosts, 1/s.
+    pub gradient_u: &'a [granflow_base::Tensor],
+}
+
+fn max2(exec: &Exec, n: usize, f: impl Fn(usize) -> [f64; 2] + Sync) -> [f64; 2] {
+    [0, 1].map(|k| exec.max(n, |r| r.map(|c| f(c)[k]).fold(0.0, f64::max)))
+}
+
+fn note(kept: &mut Option<(Solved, Solved)>, iterations: &mut usize, solved: Solved) {
+    *iterations += solved.iterations;
+    let first = kept.map_or(solved, |(first, _)| first);
+    *kept = Some((first, solved));
+}
+
+fn add(total: &mut RheologyInfo, one: RheologyInfo) {
+    total.solves += one.solves;
+    total.iterations += one.iterations;
+    total.residual = one.residual;
+    total.beyond = one.beyond;
+}

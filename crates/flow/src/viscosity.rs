@@ -1,0 +1,134 @@
+//! The viscosity of an outer iteration: from the flow to the rheology and back.
+
+use crate::{Flow, StepError};
+use granflow_base::dot;
+use granflow_fv::operators;
+use granflow_physics::rheology::{FlowView, RheologyInfo, magnitude};
+
+/// Smallest viscosity, Pa s: below any material's; it only keeps logarithms finite where grains
+/// are out of contact.
+const LEAST: f64 = 1e-12;
+
+impl Flow {
+    /// Pressure between grains, P = p_rgh + rho G.x, Pa.
+    pub(crate) fn total_pressure(&mut self) {
+        let (p, g, rho) = (&self.state.p.cells.data, self.gravity.hydrostatic, self.fluid.rho);
+        let mesh = &*self.mesh;
+        self.exec.for_each(&mut self.work.pressure[..mesh.n_cells], |first, out| {
+            for (i, total) in out.iter_mut().enumerate() {
+                let c = first + i;
+                *total = p[c] + rho * dot(g, mesh.cell_centre[c]);
+            }
+        });
+    }
+
+    /// The viscosity as the step begins: the rheology's own field if it has one, else the flow's
+    /// present strain rate. A function of the state alone, so that a restart repeats it.
+    pub(crate) fn recall_viscosity(&mut self, dt: f64) -> Result<(), StepError> {
+        self.total_pressure();
+        let time = self.state.time;
+        let n = self.mesh.n_cells;
+        let Flow { exec, mesh, work: w, fluid, state, .. } = self;
+        // No viscosity yet: the strain rate comes from the cell gradients.
+        let grad_u = &w.grad_u;
+        exec.for_each(&mut w.strain_rate[..n], |first, out| {
+            for (i, rate) in out.iter_mut().enumerate() {
+                let g = &grad_u[first + i];
+                *rate = (2.0 * granflow_base::double_dot_sym(g)).sqrt();
+            }
+        });
+        let view = FlowView {
+            exec,
+            mesh,
+            time,
+            dt,
+            strain_rate: &w.strain_rate,
+            pressure: &w.pressure,
+            density: &w.rho.data,
+            flux: &state.phi,
+        };
+        if !fluid.rheology.recall(&view, &mut w.eta) {
+            fluid
+                .rheology
+                .update(&view, &mut w.eta)
+                .map_err(|source| StepError::Rheology { time, source })?;
+        }
+        self.spread_viscosity();
+        Ok(())
+    }
+
+    /// What the rheology makes of the flow: `eta_new` from the mean stress of each cell. The
+    /// strain rate it sees is that stress over the viscosity it was computed with, which is what
+    /// keeps steep profiles exact (see [`granflow_fv::Reconstruction::viscous_stress`]).
+    pub(crate) fn evaluate_rheology(&mut self, dt: f64) -> Result<RheologyInfo, StepError> {
+        self.total_pressure();
+        let time = self.state.time;
+        let n = self.mesh.n_cells;
+        let Flow { exec, mesh, work: w, fluid, state, .. } = self;
+        let gradient = (mesh.max_nonorth_deg > 0.1).then_some(&w.grad_u[..]);
+        w.reconstruction.viscous_stress(exec, mesh, &state.u, gradient, &w.eta_f, &mut w.stress);
+        let (stress, eta) = (&w.stress, &w.eta.data);
+        exec.for_each(&mut w.strain_rate[..n], |first, out| {
+            for (i, rate) in out.iter_mut().enumerate() {
+                *rate = magnitude(&stress[first + i]) / eta[first + i];
+            }
+        });
+        let view = FlowView {
+            exec,
+            mesh,
+            time,
+            dt,
+            strain_rate: &w.strain_rate,
+            pressure: &w.pressure,
+            density: &w.rho.data,
+            flux: &state.phi,
+        };
+        let info = fluid
+            .rheology
+            .update(&view, &mut w.eta_new)
+            .map_err(|source| StepError::Rheology { time, source })?;
+        let eta_new = &w.eta_new.data;
+        exec.for_each(&mut w.g_of_y, |first, y| {
+            y.iter_mut().enumerate().for_each(|(i, y)| *y = eta_new[first + i].max(LEAST).ln());
+        });
+        Ok(info)
+    }
+
+    /// Ghosts, faces and logarithms of `eta`.
+    pub(crate) fn spread_viscosity(&mut self) {
+        let Flow { exec, mesh, work: w, .. } = self;
+        mesh.halo.update(exec, &mut w.eta.data);
+        operators::to_faces(exec, mesh, &w.eta.data, &mut w.eta_f);
+        let eta = &w.eta.data;
+        exec.for_each(&mut w.y, |first, y| {
+            y.iter_mut().enumerate().for_each(|(i, y)| *y = eta[first + i].max(LEAST).ln());
+        });
+    }
+
+    /// The greatest change of ln(viscosity) that taking `eta_new` would make.
+    pub(crate) fn viscosity_residual(&self) -> f64 {
+        let (y, g) = (&self.work.y, &self.work.g_of_y);
+        self.exec.max(y.len(), |r| r.map(|i| (g[i] - y[i]).abs()).fold(0.0, f64::max))
+    }
+
+    /// Takes `eta_new` as it is: at the end of a step the viscosity is the rheology's own.
+    pub(crate) fn accept_viscosity(&mut self) {
+        let n = self.mesh.n_cells;
+        self.work.eta.data[..n].copy_from_slice(&self.work.eta_new.data[..n]);
+        self.spread_viscosity();
+    }
+
+    /// Mixes `eta_new` with the history of the outer iterations (Anderson, in logarithms).
+    pub(crate) fn mix_viscosity(&mut self) {
+        let w = &mut self.work;
+        w.anderson.mix(&self.exec, &mut w.y, &w.g_of_y);
+        let y = &w.y;
+        let n = y.len();
+        self.exec.for_each(&mut w.eta.data[..n], |first, eta| {
+            eta.iter_mut().enumerate().for_each(|(i, e)| *e = y[first + i].exp());
+        });
+        let Flow { exec, mesh, work: w, .. } = self;
+        mesh.halo.update(exec, &mut w.eta.data);
+        operators::to_faces(exec, mesh, &w.eta.data, &mut w.eta_f);
+    }
+}

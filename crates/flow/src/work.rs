@@ -1,0 +1,96 @@
+//! Scratch of a step: allocated once, and any of it may be garbage between steps.
+
+use crate::Anderson;
+use granflow_base::{Dims, Tensor, Vec3};
+use granflow_fv::{CellField, Equation, FaceField, Reconstruction, Unknown};
+use granflow_mesh::Mesh;
+use granflow_par::Exec;
+
+pub(crate) struct Work {
+    pub(crate) u_eqn: Equation<Vec3>,
+    pub(crate) p_eqn: Equation<f64>,
+    /// Density, as a field: the equations are written for a density that varies.
+    pub(crate) rho: CellField<f64>,
+    pub(crate) rho_phi: FaceField<f64>,
+    pub(crate) phi_start: Vec<f64>,
+    pub(crate) u_start: Vec<Vec3>,
+    pub(crate) p_start: Vec<f64>,
+    /// ln(viscosity) of the outer iteration and what the rheology made of it.
+    pub(crate) y: Vec<f64>,
+    pub(crate) g_of_y: Vec<f64>,
+    pub(crate) anderson: Anderson,
+    pub(crate) eta: CellField<f64>,
+    pub(crate) eta_new: CellField<f64>,
+    pub(crate) eta_f: FaceField<f64>,
+    /// Explicit momentum flux: transpose stress, non-orthogonal and convective corrections.
+    pub(crate) explicit: FaceField<Vec3>,
+    pub(crate) scratch_f: FaceField<Vec3>,
+    pub(crate) weights: FaceField<f64>,
+    pub(crate) grad_u: Vec<Tensor>,
+    pub(crate) grad_p: Vec<Vec3>,
+    pub(crate) stress: Vec<Tensor>,
+    pub(crate) strain_rate: Vec<f64>,
+    pub(crate) pressure: Vec<f64>,
+    pub(crate) body: CellField<Vec3>,
+    pub(crate) b: Vec<Vec3>,
+    pub(crate) residual: Vec<Vec3>,
+    pub(crate) hby_a: Vec<Vec3>,
+    /// V/a_P, the velocity per unit pressure gradient of one cell alone.
+    pub(crate) r_a: CellField<f64>,
+    /// V/(row sum): of all cells together (SIMPLEC).
+    pub(crate) r_at: CellField<f64>,
+    pub(crate) r_a_f: FaceField<f64>,
+    pub(crate) r_at_f: FaceField<f64>,
+    pub(crate) phi_star: FaceField<f64>,
+    pub(crate) p_prime: Unknown<f64>,
+    pub(crate) p_scratch: FaceField<f64>,
+    pub(crate) reconstruction: Reconstruction,
+}
+
+impl Work {
+    pub(crate) fn new(exec: &Exec, m: &Mesh, rho: f64, driving: Vec3, p: &Unknown<f64>) -> Self {
+        let cells = m.n_cells + m.n_ghosts;
+        let mobility = Dims::TIME.div(Dims::DENSITY);
+        let conditions = m
+            .patches
+            .iter()
+            .map(|_| Box::new(granflow_fv::conditions::ZeroGradient) as Box<_>)
+            .collect();
+        let force = granflow_base::scale(driving, rho);
+        Work {
+            u_eqn: Equation::new(exec, m),
+            p_eqn: Equation::new(exec, m),
+            rho: CellField::new(m, "rho", Dims::DENSITY, rho),
+            rho_phi: FaceField::new(m, "rhoPhi", Dims::MASS_FLUX, 0.0),
+            phi_start: vec![0.0; m.n_faces()],
+            u_start: vec![[0.0; 3]; cells],
+            p_start: vec![0.0; cells],
+            y: vec![0.0; m.n_cells],
+            g_of_y: vec![0.0; m.n_cells],
+            anderson: Anderson::new(m.n_cells, 10),
+            eta: CellField::new(m, "eta", Dims::VISCOSITY, 0.0),
+            eta_new: CellField::new(m, "eta", Dims::VISCOSITY, 0.0),
+            eta_f: FaceField::new(m, "eta", Dims::VISCOSITY, 0.0),
+            explicit: FaceField::new(m, "explicitStress", Dims::FORCE, [0.0; 3]),
+            scratch_f: FaceField::new(m, "scratch", Dims::FORCE, [0.0; 3]),
+            weights: FaceField::new(m, "weights", Dims::NONE, 0.0),
+            grad_u: vec![[0.0; 9]; cells],
+            grad_p: vec![[0.0; 3]; cells],
+            stress: vec![[0.0; 9]; cells],
+            strain_rate: vec![0.0; cells],
+            pressure: vec![0.0; cells],
+            body: CellField::new(m, "rhoG", Dims::DENSITY.mul(Dims::ACCELERATION), force),
+            b: vec![[0.0; 3]; m.n_cells],
+            residual: vec![[0.0; 3]; m.n_cells],
+            hby_a: vec![[0.0; 3]; cells],
+            r_a: CellField::new(m, "rA", mobility, 0.0),
+            r_at: CellField::new(m, "rAt", mobility, 0.0),
+            r_a_f: FaceField::new(m, "rA", mobility, 0.0),
+            r_at_f: FaceField::new(m, "rAt", mobility, 0.0),
+            phi_star: FaceField::new(m, "phi", Dims::VOLUME_FLUX, 0.0),
+            p_prime: Unknown::new(m, "p'", p.cells.dims, 0.0, conditions),
+            p_scratch: FaceField::new(m, "phi'", Dims::VOLUME_FLUX, 0.0),
+            reconstruction: Reconstruction::new(m),
+        }
+    }
+}

@@ -1,0 +1,165 @@
+//! Boundary conditions. Every condition reduces, per face, to
+//!
+//! `face value = offset + slope * cell value - normal * (cell value . n) n`,
+//!
+//! where the last part is there for vectors only: Dirichlet is `(v, 0, 0)`, zero gradient
+//! `(0, 1, 0)`, slip `(0, 1, 1)`, partial slip and Robin anything in between. One virtual call
+//! per patch and update; the loops over faces see three arrays.
+//!
+//! To add a condition: one file here with its parameters, its `read`, its `update` and a test on
+//! a small patch, and one line in [`ALL`].
+
+mod basic;
+mod flow_direction;
+mod pressure;
+mod registry;
+mod rotating;
+mod slip;
+mod table;
+
+pub use basic::{FixedGradient, FixedValue, ZeroGradient};
+pub use flow_direction::InletOutlet;
+pub use pressure::{FixedFluxPressure, PrghPressure};
+pub use registry::{ALL, Entry, PatchContext, read_scalar, read_vector};
+pub use rotating::RotatingWall;
+pub use slip::Slip;
+pub use table::{TimeTable, UniformFixedValue};
+
+use granflow_base::{Value, Vec3};
+use std::ops::Range;
+
+/// Coefficients of the closure over all boundary faces.
+#[derive(Clone, Debug)]
+pub struct Affine<T> {
+    /// Constant part, units of the field.
+    pub offset: Vec<T>,
+    /// Share of the cell value, 0 (fixed) to 1 (free).
+    pub slope: Vec<f64>,
+    /// Share of the cell value's normal part that is taken away (vectors at slip walls).
+    pub normal: Vec<f64>,
+}
+
+impl<T: Value> Affine<T> {
+    /// Zero gradient on `n` faces.
+    pub fn zero_gradient(n: usize) -> Self {
+        Affine { offset: vec![T::ZERO; n], slope: vec![1.0; n], normal: vec![0.0; n] }
+    }
+    /// The part over the boundary faces `range`.
+    pub fn patch(&mut self, range: Range<usize>) -> PatchClosure<'_, T> {
+        PatchClosure {
+            offset: &mut self.offset[range.clone()],
+            slope: &mut self.slope[range.clone()],
+            normal: &mut self.normal[range],
+        }
+    }
+}
+
+/// The closure of one patch, for a condition to fill.
+pub struct PatchClosure<'a, T> {
+    /// See [`Affine::offset`].
+    pub offset: &'a mut [T],
+    /// See [`Affine::slope`].
+    pub slope: &'a mut [f64],
+    /// See [`Affine::normal`].
+    pub normal: &'a mut [f64],
+}
+
+impl<T: Value> PatchClosure<'_, T> {
+    /// `v` on every face.
+    pub fn fix(&mut self, v: T) {
+        self.offset.fill(v);
+        self.slope.fill(0.0);
+        self.normal.fill(0.0);
+    }
+    /// Zero gradient on every face.
+    pub fn free(&mut self) {
+        self.offset.fill(T::ZERO);
+        self.slope.fill(1.0);
+        self.normal.fill(0.0);
+    }
+}
+
+/// What surrounds a field at the time of an update: explicit inputs in place of a registry.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Surroundings<'a> {
+    /// Time, s.
+    pub time: f64,
+    /// Gravity that acts through p_rgh, m/s2.
+    pub gravity: Vec3,
+    /// Density in the cells, kg/m3; empty where no condition of the field asks for it.
+    pub density: &'a [f64],
+    /// Normal gradient that makes the flux through a face match the velocity condition, over all
+    /// boundary faces (for `fixedFluxPressure`); empty where it does not apply.
+    pub flux_gradient: &'a [f64],
+    /// Local fluidity over all cells, 1/s (for `localFluidity`).
+    pub local_fluidity: &'a [f64],
+}
+
+/// What a condition sees of its patch.
+pub struct PatchView<'a, T> {
+    /// Faces of the patch in the mesh.
+    pub faces: Range<usize>,
+    /// 1 / distance of the cell centre from the face plane, 1/m.
+    pub inv_dist: &'a [f64],
+    /// Outward area vectors, m2.
+    pub area: &'a [Vec3],
+    /// Outward unit normals.
+    pub normal: &'a [Vec3],
+    /// Face centres, m.
+    pub centre: &'a [Vec3],
+    /// The cell behind each face.
+    pub owner: &'a [u32],
+    /// Centres of all cells, m.
+    pub owner_centre: &'a [Vec3],
+    /// The field's values in all cells.
+    pub cells: &'a [T],
+    /// Outward flux through the faces, where the field is transported.
+    pub flux: Option<&'a [f64]>,
+    /// Everything else.
+    pub around: &'a Surroundings<'a>,
+}
+
+impl<T> PatchView<'_, T> {
+    /// Index of the patch's first face among the boundary faces.
+    pub fn first_boundary(&self, n_inner: usize) -> usize {
+        self.faces.start - n_inner
+    }
+}
+
+/// A boundary condition on one patch.
+pub trait Condition<T>: Send + Sync {
+    /// The name in the field file.
+    fn name(&self) -> &'static str;
+    /// Fills the closure of the patch.
+    fn update(&mut self, view: &PatchView<'_, T>, closure: &mut PatchClosure<'_, T>);
+    /// Whether the condition pins the level of the field (so that no reference cell is needed).
+    fn fixes_value(&self) -> bool {
+        false
+    }
+    /// The entries of the patch in the field file, as the user gave them (restart needs them).
+    fn entries(&self) -> Vec<(String, String)>;
+}
+
+/// The condition on patches without closure of their own (cyclic, wedge, processor, empty,
+/// symmetry): named after the patch type, as OpenFOAM's files do.
+pub struct OfPatchType {
+    /// The patch type.
+    pub kind: &'static str,
+    /// Whether the normal part of a vector vanishes (symmetry).
+    pub symmetric: bool,
+}
+
+impl<T: Value> Condition<T> for OfPatchType {
+    fn name(&self) -> &'static str {
+        self.kind
+    }
+    fn update(&mut self, _: &PatchView<'_, T>, closure: &mut PatchClosure<'_, T>) {
+        closure.free();
+        if self.symmetric {
+            closure.normal.fill(1.0);
+        }
+    }
+    fn entries(&self) -> Vec<(String, String)> {
+        Vec::new()
+    }
+}

@@ -1,0 +1,223 @@
+//! The conditions by name: one line each feeds the reader, the message about unknown names,
+//! `granflow list conditions` and the book.
+
+use super::{
+    Condition, FixedFluxPressure, FixedGradient, FixedValue, InletOutlet, OfPatchType,
+    PrghPressure, RotatingWall, Slip, TimeTable, UniformFixedValue, ZeroGradient,
+};
+use granflow_base::{Dims, Value, Vec3, norm, unit};
+use granflow_dict::{FieldValue, Reader};
+use granflow_mesh::PatchKind;
+
+/// What reading a condition may depend on.
+#[derive(Clone, Copy, Debug)]
+pub struct PatchContext<'a> {
+    /// Name of the patch.
+    pub patch: &'a str,
+    /// Its kind in the mesh.
+    pub kind: &'a PatchKind,
+    /// Its number of faces (on all ranks together for uniform values this does not matter).
+    pub n_faces: usize,
+    /// Number of inner faces of the mesh.
+    pub n_inner: usize,
+    /// Dimensions of the field.
+    pub dims: Dims,
+}
+
+type ReadScalar = fn(&Reader<'_>, &PatchContext<'_>) -> Box<dyn Condition<f64>>;
+type ReadVector = fn(&Reader<'_>, &PatchContext<'_>) -> Box<dyn Condition<Vec3>>;
+
+/// One condition of the registry.
+pub struct Entry {
+    /// The word behind `type`.
+    pub name: &'static str,
+    /// One line for lists and the book.
+    pub summary: &'static str,
+    /// Where the definition comes from.
+    pub reference: &'static str,
+    /// Reader for scalars, if it applies to them.
+    pub scalar: Option<ReadScalar>,
+    /// Reader for vectors, if it applies to them.
+    pub vector: Option<ReadVector>,
+}
+
+fn values<T: Value>(r: &Reader<'_>, key: &str, n: usize) -> Vec<T> {
+    match r.field::<T>(key, n) {
+        FieldValue::Uniform(v) => vec![v],
+        FieldValue::NonUniform(v) if v.is_empty() => vec![T::ZERO],
+        FieldValue::NonUniform(v) => v,
+    }
+}
+/// Entries that OpenFOAM's own output carries along without meaning for the condition.
+fn leave_value(r: &Reader<'_>) {
+    r.ignore("value");
+}
+fn fixed_value<T: Value>(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<T>> {
+    Box::new(FixedValue::per_face(values(r, "value", c.n_faces)))
+}
+fn zero_gradient<T: Value>(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<T>> {
+    leave_value(r);
+    Box::new(ZeroGradient)
+}
+fn fixed_gradient<T: Value>(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<T>> {
+    leave_value(r);
+    Box::new(FixedGradient::new(values(r, "gradient", c.n_faces)))
+}
+fn inlet_outlet<T: Value>(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<T>> {
+    leave_value(r);
+    r.ignore("phi");
+    Box::new(InletOutlet::new(values(r, "inletValue", c.n_faces)))
+}
+fn uniform_fixed_value<T: Value>(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<T>> {
+    leave_value(r);
+    Box::new(UniformFixedValue { value: TimeTable::read(r, "uniformValue", c.dims) })
+}
+fn slip<T: Value>(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<T>> {
+    leave_value(r);
+    Box::new(Slip)
+}
+fn prgh_pressure(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
+    leave_value(r);
+    r.ignore("rho");
+    Box::new(PrghPressure::new(values(r, "p", c.n_faces)))
+}
+fn fixed_flux_pressure(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
+    leave_value(r);
+    for key in ["gradient", "phi", "rho"] {
+        r.ignore(key);
+    }
+    Box::new(FixedFluxPressure::new(c.n_inner))
+}
+fn no_slip(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    leave_value(r);
+    Box::new(FixedValue::named("noSlip", [0.0; 3]))
+}
+fn rotating_wall(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    leave_value(r);
+    let origin = r.vector("origin", Dims::LENGTH);
+    let axis = r.vector("axis", Dims::NONE);
+    if norm(axis) == 0.0 {
+        r.error_at_key("axis", "the axis of rotation has no direction", "zero vector", None);
+    }
+    let omega = TimeTable::read(r, "omega", Dims::RATE);
+    Box::new(RotatingWall { origin, axis: unit(axis), omega })
+}
+
+/// Every condition, by its OpenFOAM name.
+pub const ALL: &[Entry] = &[
+    Entry {
+        name: "fixedValue",
+        summary: "Dirichlet: the value at the face is given",
+        reference: "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 4",
+        scalar: Some(fixed_value),
+        vector: Some(fixed_value),
+    },
+    Entry {
+        name: "zeroGradient",
+        summary: "Neumann: the face takes the value of the cell",
+        reference: "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 4",
+        scalar: Some(zero_gradient),
+        vector: Some(zero_gradient),
+    },
+    Entry {
+        name: "fixedGradient",
+        summary: "Neumann: the outward normal gradient is given",
+        reference: "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 4",
+        scalar: Some(fixed_gradient),
+        vector: Some(fixed_gradient),
+    },
+    Entry {
+        name: "inletOutlet",
+        summary: "zero gradient where the flow leaves, a given value where it enters",
+        reference: "H. Jasak, PhD thesis, Imperial College 1996, ch. 3.3",
+        scalar: Some(inlet_outlet),
+        vector: Some(inlet_outlet),
+    },
+    Entry {
+        name: "uniformFixedValue",
+        summary: "Dirichlet: one value for the patch, constant or a table against time",
+        reference: "OpenFOAM user guide, boundary conditions",
+        scalar: Some(uniform_fixed_value),
+        vector: Some(uniform_fixed_value),
+    },
+    Entry {
+        name: "slip",
+        summary: "no flow through the wall and no traction along it",
+        reference: "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 9",
+        scalar: Some(slip),
+        vector: Some(slip),
+    },
+    Entry {
+        name: "prghPressure",
+        summary: "the pressure p is given; p_rgh = p - rho G.x follows",
+        reference: "OpenFOAM user guide, boundary conditions",
+        scalar: Some(prgh_pressure),
+        vector: None,
+    },
+    Entry {
+        name: "fixedFluxPressure",
+        summary: "the normal gradient of pressure that makes the flux match the velocity condition",
+        reference: "P. M. Gresho, R. L. Sani, Int. J. Numer. Meth. Fluids 7 (1987) 1111",
+        scalar: Some(fixed_flux_pressure),
+        vector: None,
+    },
+    Entry {
+        name: "noSlip",
+        summary: "the wall stands and holds what touches it: U = 0",
+        reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, 1967, ch. 3.3",
+        scalar: None,
+        vector: Some(no_slip),
+    },
+    Entry {
+        name: "rotatingWallVelocity",
+        summary: "no slip on a wall that turns about an axis, omega constant or a table against time",
+        reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, 1967, ch. 4.5",
+        scalar: None,
+        vector: Some(rotating_wall),
+    },
+];
+
+/// The condition that a patch kind dictates, if it does.
+fn of_patch_kind(kind: &PatchKind) -> Option<OfPatchType> {
+    let (kind, symmetric) = match kind {
+        PatchKind::Empty => ("empty", false),
+        PatchKind::Symmetry => ("symmetry", true),
+        PatchKind::SymmetryPlane => ("symmetryPlane", true),
+        PatchKind::Wedge => ("wedge", false),
+        PatchKind::Cyclic { .. } => ("cyclic", false),
+        _ => return None,
+    };
+    Some(OfPatchType { kind, symmetric })
+}
+
+/// Reads `type` and hands over to the reader that `select` finds in an entry.
+fn read<T: Value, F: Copy>(
+    r: &Reader<'_>,
+    context: &PatchContext<'_>,
+    select: impl Fn(&Entry) -> Option<F>,
+    call: impl Fn(F) -> Box<dyn Condition<T>>,
+) -> Box<dyn Condition<T>> {
+    if let Some(dictated) = of_patch_kind(context.kind) {
+        let word = r.word("type");
+        r.ignore("value");
+        if !word.is_empty() && word != dictated.kind {
+            let message =
+                format!("patch `{}` is of type {}: so must be its condition", context.patch, dictated.kind);
+            let help = format!("write `type {};`", dictated.kind);
+            r.error_at_key("type", &message, &format!("found `{word}`"), Some(&help));
+        }
+        return Box::new(dictated);
+    }
+    let known: Vec<(&str, F)> = ALL.iter().filter_map(|e| Some((e.name, select(e)?))).collect();
+    call(r.one_of("type", &known))
+}
+
+/// Reads the condition of a scalar on one patch; mistakes go to the reader's sink.
+pub fn read_scalar(r: &Reader<'_>, context: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
+    read(r, context, |e| e.scalar, |f| f(r, context))
+}
+
+/// Reads the condition of a vector on one patch; mistakes go to the reader's sink.
+pub fn read_vector(r: &Reader<'_>, context: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    read(r, context, |e| e.vector, |f| f(r, context))
+}

@@ -1,0 +1,268 @@
+//! One level: its matrix in slots, and the sweeps over it.
+
+use granflow_par::Exec;
+
+use super::graph::{Galerkin, Graph, NONE};
+use super::layout::{LANES, Layout, SLOTS};
+use super::sell::Sell;
+
+/// A vector of a level, in slots.
+pub(crate) type Slots<const N: usize> = Vec<[f32; N]>;
+
+/// Matrix and order of a level; split by what a Gauss-Seidel sweep needs apart.
+#[derive(Debug, Default)]
+pub(crate) struct Matrix {
+    pub(crate) layout: Layout,
+    /// Couplings to earlier and to later slices of the block (column: slot within the block).
+    lower: Sell<u16>,
+    upper: Sell<u16>,
+    /// Couplings to other blocks.
+    outer: Sell<u32>,
+    diag: Vec<f32>,
+    inv: Vec<f32>,
+}
+
+impl Matrix {
+    pub(crate) fn new(g: &Graph, order: &[u32]) -> Matrix {
+        let layout = Layout::new(g, order);
+        let (mut lower, mut upper, mut outer) = (Sell::new(), Sell::new(), Sell::new());
+        let mut lo: [Vec<(u16, u32)>; LANES] = Default::default();
+        let mut up: [Vec<(u16, u32)>; LANES] = Default::default();
+        let mut out: [Vec<(u32, u32)>; LANES] = Default::default();
+        for (s, rows) in layout.row.chunks_exact(LANES).enumerate() {
+            lo.iter_mut().for_each(Vec::clear);
+            up.iter_mut().for_each(Vec::clear);
+            out.iter_mut().for_each(Vec::clear);
+            for (lane, &i) in rows.iter().enumerate().filter(|(_, i)| **i != NONE) {
+                for k in g.entries(i as usize) {
+                    if g.col[k] == NONE {
+                        continue;
+                    }
+                    let to = layout.slot[g.col[k] as usize] as usize;
+                    let within = (to % SLOTS) as u16;
+                    let same = to / SLOTS == s * LANES / SLOTS;
+                    match (to / LANES).cmp(&s) {
+                        std::cmp::Ordering::Less if same => lo[lane].push((within, k as u32)),
+                        std::cmp::Ordering::Greater if same => up[lane].push((within, k as u32)),
+                        _ => out[lane].push((to as u32, k as u32)),
+                    }
+                }
+            }
+            let own = |lane: usize| ((s * LANES + lane) % SLOTS) as u16;
+            lower.push(&lo, own);
+            upper.push(&up, own);
+            outer.push(&out, |lane| (s * LANES + lane) as u32);
+        }
+        let n = layout.row.len();
+        Matrix { layout, lower, upper, outer, diag: vec![0.0; n], inv: vec![0.0; n] }
+    }
+
+    pub(crate) fn slots(&self) -> usize {
+        self.diag.len()
+    }
+
+    pub(crate) fn refresh(&mut self, exec: &Exec, g: &Graph) {
+        self.lower.refresh(exec, &g.val);
+        self.upper.refresh(exec, &g.val);
+        self.outer.refresh(exec, &g.val);
+        let row = &self.layout.row;
+        exec.for_each2(&mut self.diag, &mut self.inv, |first, diag, inv| {
+            for (k, (d, inv)) in diag.iter_mut().zip(inv).enumerate() {
+                let i = row[first + k];
+                *d = if i == NONE { 0.0 } else { g.diagonal(i as usize) };
+                // A null row is one of a singular system's pieces shrunk to a point: left alone.
+                *inv = if *d != 0.0 && (1.0 / *d).is_finite() { 1.0 / *d } else { 0.0 };
+            }
+        });
+    }
+
+    /// `z = (D + L)^-1 b`: a forward sweep from zero.
+    pub(crate) fn forward<const N: usize>(&self, exec: &Exec, b: &[[f32; N]], z: &mut [[f32; N]]) {
+        exec.for_each_block(z, SLOTS, |first, z| {
+            for s in 0..z.len() / LANES {
+                let at = first + s * LANES;
+                let mut acc = lanes(b, at);
+                self.lower.subtract(at / LANES, z, &mut acc);
+                self.divide(at, &acc, &mut z[s * LANES..]);
+            }
+        });
+    }
+    /// `z -= D^-1 U z` from the back: turns a forward sweep into a symmetric one.
+    pub(crate) fn backward<const N: usize>(&self, exec: &Exec, z: &mut [[f32; N]]) {
+        exec.for_each_block(z, SLOTS, |first, z| {
+            for s in (0..z.len() / LANES).rev() {
+                let at = first + s * LANES;
+                let mut acc = [[0.0; N]; LANES];
+                self.upper.subtract(at / LANES, z, &mut acc);
+                for lane in 0..LANES {
+                    for c in 0..N {
+                        z[s * LANES + lane][c] += acc[lane][c] * self.inv[at + lane];
+                    }
+                }
+            }
+        });
+    }
+    /// `r = b - A z` right after [`Matrix::forward`], where it is `-(U + O) z`.
+    pub(crate) fn left_over<const N: usize>(
+        &self,
+        exec: &Exec,
+        z: &[[f32; N]],
+        r: &mut [[f32; N]],
+    ) {
+        exec.for_each_block(r, SLOTS, |first, r| {
+            let block = &z[first..first + r.len()];
+            for s in 0..r.len() / LANES {
+                let mut acc = [[0.0; N]; LANES];
+                self.upper.subtract(first / LANES + s, block, &mut acc);
+                self.outer.subtract(first / LANES + s, z, &mut acc);
+                r[s * LANES..(s + 1) * LANES].copy_from_slice(&acc);
+            }
+        });
+    }
+    /// A backward Gauss-Seidel sweep on `A z = b`; `t` is scratch.
+    pub(crate) fn sweep_back<const N: usize>(
+        &self,
+        exec: &Exec,
+        b: &[[f32; N]],
+        z: &mut [[f32; N]],
+        t: &mut [[f32; N]],
+    ) {
+        let old = &*z;
+        exec.for_each_block(t, SLOTS, |first, t| {
+            for s in 0..t.len() / LANES {
+                let at = first + s * LANES;
+                let mut acc = lanes(b, at);
+                self.outer.subtract(at / LANES, old, &mut acc);
+                t[s * LANES..(s + 1) * LANES].copy_from_slice(&acc);
+            }
+        });
+        let t = &*t;
+        exec.for_each_block(z, SLOTS, |first, z| {
+            for s in (0..z.len() / LANES).rev() {
+                let at = first + s * LANES;
+                let mut acc = lanes(t, at);
+                self.lower.subtract(at / LANES, z, &mut acc);
+                self.upper.subtract(at / LANES, z, &mut acc);
+                self.divide(at, &acc, &mut z[s * LANES..]);
+            }
+        });
+    }
+    /// `v = A z`; returns what `sums` makes of each block (first slot, block of `v`).
+    pub(crate) fn times<const N: usize, const K: usize>(
+        &self,
+        exec: &Exec,
+        z: &[[f32; N]],
+        v: &mut [[f32; N]],
+        sums: impl Fn(usize, &[[f32; N]]) -> [f64; K] + Sync,
+    ) -> [f64; K] {
+        exec.for_each_local_sums(v, |first, v| {
+            for s in 0..v.len() / LANES {
+                let at = first + s * LANES;
+                let start = at / SLOTS * SLOTS;
+                let block = &z[start..(start + SLOTS).min(z.len())];
+                let mut acc = [[0.0; N]; LANES];
+                for lane in 0..LANES {
+                    for c in 0..N {
+                        acc[lane][c] = -self.diag[at + lane] * z[at + lane][c];
+                    }
+                }
+                self.lower.subtract(at / LANES, block, &mut acc);
+                self.upper.subtract(at / LANES, block, &mut acc);
+                self.outer.subtract(at / LANES, z, &mut acc);
+                for (v, a) in v[s * LANES..].iter_mut().zip(&acc) {
+                    *v = a.map(|a| -a);
+                }
+            }
+            sums(first, v)
+        })
+    }
+
+    #[inline]
+    fn divide<const N: usize>(&self, at: usize, acc: &[[f32; N]; LANES], z: &mut [[f32; N]]) {
+        let (z, inv) = (&mut z[..LANES], &self.inv[at..at + LANES]);
+        for lane in 0..LANES {
+            for c in 0..N {
+                z[lane][c] = acc[lane][c] * inv[lane];
+            }
+        }
+    }
+}
+
+#[inline]
+fn lanes<const N: usize>(b: &[[f32; N]], at: usize) -> [[f32; N]; LANES] {
+    let b = &b[at..at + LANES];
+    std::array::from_fn(|lane| b[lane])
+}
+
+/// From a level to the next coarser one.
+#[derive(Debug, Default)]
+pub(crate) struct Transfer {
+    pub(crate) galerkin: Galerkin,
+    /// Coarse slot of each fine slot, [`NONE`] for none.
+    parent: Vec<u32>,
+    /// Fine slots of each coarse slot.
+    ptr: Vec<u32>,
+    child: Vec<u32>,
+}
+
+impl Transfer {
+    /// `coarse_row` is the row in each coarse slot, `coarse_slot` the inverse.
+    pub(crate) fn new(
+        galerkin: Galerkin,
+        fine: &Layout,
+        parent: &[u32],
+        coarse_row: &[u32],
+        coarse_slot: &[u32],
+    ) -> Transfer {
+        let up = |i: u32| match i {
+            NONE => NONE,
+            i if parent[i as usize] == NONE => NONE,
+            i => coarse_slot[parent[i as usize] as usize],
+        };
+        let mut t = Transfer { parent: fine.row.iter().map(|&i| up(i)).collect(), ..Transfer::default() };
+        t.ptr.push(0);
+        for &i in coarse_row {
+            if i != NONE {
+                let own = galerkin.child_ptr[i as usize] as usize
+                    ..galerkin.child_ptr[i as usize + 1] as usize;
+                t.child.extend(galerkin.child[own].iter().map(|&c| fine.slot[c as usize]));
+            }
+            t.ptr.push(t.child.len() as u32);
+        }
+        t.galerkin = galerkin;
+        t
+    }
+    /// `coarse = P^T fine`.
+    pub(crate) fn restrict<const N: usize>(
+        &self,
+        exec: &Exec,
+        fine: &[[f32; N]],
+        coarse: &mut [[f32; N]],
+    ) {
+        exec.for_each(coarse, |first, coarse| {
+            for (i, out) in coarse.iter_mut().enumerate() {
+                let own = self.ptr[first + i] as usize..self.ptr[first + i + 1] as usize;
+                let mut s = [0.0; N];
+                for &c in &self.child[own] {
+                    (0..N).for_each(|k| s[k] += fine[c as usize][k]);
+                }
+                *out = s;
+            }
+        });
+    }
+    /// `fine += P coarse`.
+    pub(crate) fn prolong<const N: usize>(
+        &self,
+        exec: &Exec,
+        coarse: &[[f32; N]],
+        fine: &mut [[f32; N]],
+    ) {
+        exec.for_each(fine, |first, fine| {
+            for (out, &p) in fine.iter_mut().zip(&self.parent[first..]) {
+                if p != NONE {
+                    (0..N).for_each(|k| out[k] += coarse[p as usize][k]);
+                }
+            }
+        });
+    }
+}

@@ -1,0 +1,86 @@
+//! A part of a level's matrix in slices of 16 rows (SELL-C, Kreutzer et al. 2014): entry `k` of
+//! all 16 rows side by side, so that plain loops become vector instructions.
+
+use granflow_par::Exec;
+
+use super::graph::NONE;
+use super::layout::LANES;
+
+/// Couplings by slices; `C` is the type of a column.
+#[derive(Debug, Default)]
+pub(crate) struct Sell<C> {
+    /// Groups of entries `ptr[s]..ptr[s + 1]` belong to slice `s`.
+    ptr: Vec<u32>,
+    col: Vec<[C; LANES]>,
+    val: Vec<[f32; LANES]>,
+    src: Vec<[u32; LANES]>,
+}
+
+impl<C: Copy + Default> Sell<C> {
+    pub(crate) fn new() -> Self {
+        Sell { ptr: vec![0], col: Vec::new(), val: Vec::new(), src: Vec::new() }
+    }
+    /// Appends a slice of the couplings `(column, entry of the graph)` of each lane.
+    pub(crate) fn push(&mut self, lanes: &[Vec<(C, u32)>; LANES], own: impl Fn(usize) -> C) {
+        let width = lanes.iter().map(Vec::len).max().unwrap_or(0);
+        for k in 0..width {
+            // Padding points at the row itself, which is in the cache anyway.
+            let at = |lane: usize| lanes[lane].get(k).copied().unwrap_or((own(lane), NONE));
+            self.col.push(std::array::from_fn(|lane| at(lane).0));
+            self.src.push(std::array::from_fn(|lane| at(lane).1));
+            self.val.push([0.0; LANES]);
+        }
+        self.ptr.push(self.col.len() as u32);
+    }
+    pub(crate) fn refresh(&mut self, exec: &Exec, val: &[f32]) {
+        let src = &self.src;
+        exec.for_each(&mut self.val, |first, out| {
+            for (o, s) in out.iter_mut().zip(&src[first..]) {
+                for lane in 0..LANES {
+                    o[lane] = if s[lane] == NONE { 0.0 } else { val[s[lane] as usize] };
+                }
+            }
+        });
+    }
+}
+
+/// A column index.
+pub(crate) trait Column: Copy + Default + Send + Sync {
+    fn index(self) -> usize;
+}
+impl Column for u16 {
+    #[inline]
+    fn index(self) -> usize {
+        usize::from(self)
+    }
+}
+impl Column for u32 {
+    #[inline]
+    fn index(self) -> usize {
+        self as usize
+    }
+}
+
+impl<C: Column> Sell<C> {
+    /// `acc -= (slice s) z`.
+    #[inline]
+    pub(crate) fn subtract<const N: usize>(
+        &self,
+        s: usize,
+        z: &[[f32; N]],
+        acc: &mut [[f32; N]; LANES],
+    ) {
+        let r = self.ptr[s] as usize..self.ptr[s + 1] as usize;
+        for (col, val) in self.col[r.clone()].iter().zip(&self.val[r]) {
+            let mut zs = [[0.0f32; N]; LANES];
+            for lane in 0..LANES {
+                zs[lane] = z[col[lane].index()];
+            }
+            for lane in 0..LANES {
+                for c in 0..N {
+                    acc[lane][c] -= val[lane] * zs[lane][c];
+                }
+            }
+        }
+    }
+}

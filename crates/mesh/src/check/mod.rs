@@ -1,0 +1,80 @@
+//! Is a mesh sound, and how good is it?
+
+mod quality;
+mod report;
+mod topology;
+
+pub use report::{CellShapes, CheckReport, Finding, PatchSummary, Place, Quality, Severity};
+
+use crate::geometry::Geometry;
+use crate::mesh::Mesh;
+use crate::polymesh::{MeshError, PolyMesh};
+
+/// How many places a finding lists.
+const LISTED: usize = 5;
+
+/// Checks topology, then geometry, and reports every finding with its worst places.
+pub fn check(poly: &PolyMesh) -> CheckReport {
+    let mut report = CheckReport::default();
+    // Without sound indices nothing else can be worked out.
+    if let Err(e) = poly.validate() {
+        report.findings.push(Finding::whole(
+            Severity::Error,
+            e.to_string(),
+            "the polyMesh files do not belong together or are damaged: make the mesh again",
+        ));
+        return report;
+    }
+    let g = Geometry::new(poly);
+    let links = poly.cell_faces();
+    topology::check(poly, &g, &links, &mut report);
+    quality::check(poly, &g, &links, &mut report);
+    if let Err(e) = Mesh::new(poly) {
+        let remedy = match e {
+            // Already reported with all their places.
+            MeshError::Volume { .. } | MeshError::Area { .. } => return report,
+            MeshError::CyclicPair { .. } | MeshError::CyclicMatch { .. } => {
+                "periodic patches must match face by face, by a translation or a rotation"
+            }
+            MeshError::Wedge { .. } => {
+                "make the wedge one cell thick between two planes that meet in the axis"
+            }
+            MeshError::Empty { .. } => "align the plane of a two-dimensional mesh with x, y or z",
+            _ => "make the mesh again",
+        };
+        report.findings.push(Finding::whole(Severity::Error, e.to_string(), remedy));
+    }
+    report
+}
+
+/// Collects the worst places of one kind of fault.
+struct Worst {
+    count: usize,
+    places: Vec<Place>,
+}
+
+impl Worst {
+    fn new() -> Worst {
+        Worst { count: 0, places: Vec::new() }
+    }
+    /// Keeps the greatest values.
+    fn add(&mut self, place: Place) {
+        self.count += 1;
+        let at = self.places.partition_point(|p| p.value >= place.value);
+        if at < LISTED {
+            self.places.insert(at, place);
+            self.places.truncate(LISTED);
+        }
+    }
+    fn report(self, report: &mut CheckReport, severity: Severity, what: &str, remedy: &str) {
+        if self.count > 0 {
+            report.findings.push(Finding {
+                severity,
+                message: what.replace("{n}", &self.count.to_string()),
+                count: self.count,
+                places: self.places,
+                remedy: remedy.into(),
+            });
+        }
+    }
+}

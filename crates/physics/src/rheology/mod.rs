@@ -1,0 +1,250 @@
+//! Rheologies by OpenFOAM's `transportModel` names.
+//!
+//! To add a local one: a file with its parameters, `read`, the law and its tests, and one line in
+//! [`ALL`]; see `power_law.rs` for the shortest example.
+
+mod bingham;
+mod bird_carreau;
+mod casson;
+mod cross_power_law;
+mod herschel_bulkley;
+mod mu_i;
+mod newtonian;
+mod ngf;
+mod power_law;
+
+pub use bingham::Bingham;
+pub use bird_carreau::BirdCarreau;
+pub use casson::Casson;
+pub use cross_power_law::CrossPowerLaw;
+pub use herschel_bulkley::HerschelBulkley;
+pub use mu_i::{Granular, MuI, MuIRegularised};
+pub use newtonian::Newtonian;
+pub use ngf::{Form, Law, Ngf, NgfNumerics};
+pub use power_law::PowerLaw;
+
+use granflow_base::{Dims, Tensor};
+use granflow_dict::Reader;
+use granflow_fv::{CellField, Condition, DimError, FaceField};
+use granflow_linsolve::SolveError;
+use granflow_mesh::Mesh;
+use granflow_par::Exec;
+
+/// One point of a flow.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// `sqrt(2 D:D)`, 1/s.
+    pub strain_rate: f64,
+    /// Pressure between grains, Pa.
+    pub pressure: f64,
+    /// Density, kg/m3.
+    pub density: f64,
+}
+
+/// A law that needs nothing but the point.
+pub trait LocalLaw: Send + Sync {
+    /// Dynamic viscosity, Pa s; finite and positive for any strain rate, zero included.
+    fn viscosity(&self, at: Point) -> f64;
+    /// Whether the viscosity is the same everywhere and always.
+    fn is_constant(&self) -> bool {
+        false
+    }
+    /// Whether the law reads the pressure (granular laws do).
+    fn reads_pressure(&self) -> bool {
+        false
+    }
+}
+
+/// What a rheology may read, spelled out: there is no registry to look fields up in.
+pub struct FlowView<'a> {
+    /// Threads and ranks.
+    pub exec: &'a Exec,
+    /// The mesh.
+    pub mesh: &'a Mesh,
+    /// Time at the end of the step, s.
+    pub time: f64,
+    /// Time step, s.
+    pub dt: f64,
+    /// Strain rate in the cells, 1/s: the mean stress of the cell over its viscosity.
+    pub strain_rate: &'a [f64],
+    /// Pressure between grains, Pa.
+    pub pressure: &'a [f64],
+    /// Density, kg/m3.
+    pub density: &'a [f64],
+    /// Volume flux through the faces, m3/s.
+    pub flux: &'a FaceField<f64>,
+}
+
+/// What one evaluation did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RheologyInfo {
+    /// Linear solves of the model's own equation.
+    pub solves: usize,
+    /// Iterations of those solves.
+    pub iterations: usize,
+    /// Residual of the model's own equation at the returned state (0 for local laws).
+    pub residual: f64,
+    /// Cells that asked for more than the model allows (mu >= mu_2).
+    pub beyond: usize,
+}
+
+/// Why a rheology gave no viscosity.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum RheologyError {
+    /// Its own linear system was not solved.
+    #[error("the equation for `{field}` was not solved: {source}")]
+    Solve {
+        /// The field.
+        field: &'static str,
+        /// What the solver said.
+        source: SolveError,
+    },
+    /// Its own equation was written wrongly.
+    #[error(transparent)]
+    Dims(#[from] DimError),
+}
+
+/// The viscosity of a flow.
+pub trait Rheology: Send {
+    /// Viscosity in the cells (own cells; the caller fills ghosts) for the flow as it stands.
+    ///
+    /// # Errors
+    /// [`RheologyError`] when an equation of the model's own is not solved.
+    fn update(
+        &mut self,
+        view: &FlowView<'_>,
+        eta: &mut CellField<f64>,
+    ) -> Result<RheologyInfo, RheologyError>;
+    /// Called when a time step begins: old-time values of the model's own fields are set here.
+    fn begin_step(&mut self) {}
+    /// Takes the model's own fields back to where [`Self::begin_step`] found them.
+    fn rollback(&mut self) {}
+    /// The viscosity that belongs to the model's own fields as they are, without solving; returns
+    /// false when the model has none and the flow must be asked.
+    fn recall(&mut self, _view: &FlowView<'_>, _eta: &mut CellField<f64>) -> bool {
+        false
+    }
+    /// Whether the viscosity never changes, so that nothing is iterated for its sake.
+    fn is_constant(&self) -> bool {
+        false
+    }
+    /// Whether the viscosity depends on the pressure.
+    fn reads_pressure(&self) -> bool {
+        false
+    }
+    /// The model's own field, if it has one: part of the state that a restart needs.
+    fn field(&self) -> Option<&CellField<f64>> {
+        None
+    }
+    /// The same, to be filled when a case is loaded.
+    fn field_mut(&mut self) -> Option<&mut CellField<f64>> {
+        None
+    }
+    /// Conditions of the model's own field by patch, for its file.
+    fn conditions(&self) -> &[Box<dyn Condition<f64>>] {
+        &[]
+    }
+    /// The grains, when the material is made of grains (inertial number, stress ratio).
+    fn grains(&self) -> Option<Granular> {
+        None
+    }
+}
+
+/// A local law as a rheology.
+pub struct Local<L: ?Sized>(pub Box<L>);
+
+impl<L: LocalLaw + ?Sized> Rheology for Local<L> {
+    fn update(
+        &mut self,
+        v: &FlowView<'_>,
+        eta: &mut CellField<f64>,
+    ) -> Result<RheologyInfo, RheologyError> {
+        v.exec.for_each(&mut eta.data[..v.mesh.n_cells], |first, out| {
+            for (i, eta) in out.iter_mut().enumerate() {
+                let c = first + i;
+                *eta = self.0.viscosity(Point {
+                    strain_rate: v.strain_rate[c],
+                    pressure: v.pressure[c],
+                    density: v.density[c],
+                });
+            }
+        });
+        Ok(RheologyInfo::default())
+    }
+    fn is_constant(&self) -> bool {
+        self.0.is_constant()
+    }
+    fn reads_pressure(&self) -> bool {
+        self.0.reads_pressure()
+    }
+}
+
+/// What reading a rheology may depend on.
+pub struct FluidContext<'a> {
+    /// Density of the fluid, kg/m3 (1 where the case is kinematic).
+    pub density: f64,
+    /// Threads and ranks.
+    pub exec: &'a Exec,
+    /// The mesh.
+    pub mesh: &'a Mesh,
+    /// Conditions of `fluidity`, one per patch; taken by the model that has the field.
+    pub fluidity_conditions: Vec<Box<dyn Condition<f64>>>,
+    /// How the fluidity equation is solved.
+    pub numerics: NgfNumerics,
+}
+
+/// One rheology of the registry.
+pub struct Entry {
+    /// The word behind `transportModel`.
+    pub name: &'static str,
+    /// One line for lists and the book.
+    pub summary: &'static str,
+    /// The law, as a reader would write it.
+    pub formula: &'static str,
+    /// Source.
+    pub reference: &'static str,
+    /// Reads `<name>Coeffs` (or the surrounding dictionary where there is none).
+    pub read: fn(&Reader<'_>, FluidContext<'_>) -> Box<dyn Rheology>,
+}
+
+/// Every rheology.
+pub const ALL: &[Entry] = &[
+    newtonian::ENTRY,
+    power_law::ENTRY,
+    bingham::ENTRY,
+    herschel_bulkley::ENTRY,
+    casson::ENTRY,
+    cross_power_law::ENTRY,
+    bird_carreau::ENTRY,
+    mu_i::ENTRY,
+    mu_i::ENTRY_REGULARISED,
+    ngf::ENTRY,
+];
+
+/// Reads the fluid's `transportModel` and its coefficients from `phase`.
+pub fn read(phase: &Reader<'_>, context: FluidContext<'_>) -> Box<dyn Rheology> {
+    let known: Vec<(&str, &Entry)> = ALL.iter().map(|e| (e.name, e)).collect();
+    let entry = phase.one_of("transportModel", &known);
+    // OpenFOAM's cases carry the coefficients of models that are not in use.
+    for other in ALL.iter().filter(|e| e.name != entry.name) {
+        phase.ignore(&format!("{}Coeffs", other.name));
+    }
+    match phase.opt_sub(&format!("{}Coeffs", entry.name)) {
+        Some(coeffs) => (entry.read)(&coeffs, context),
+        None => (entry.read)(phase, context),
+    }
+}
+
+/// Dynamic from kinematic: OpenFOAM's generalised Newtonian laws are written in m2/s.
+fn local<L: LocalLaw + 'static>(law: L) -> Box<dyn Rheology> {
+    Box::new(Local(Box::new(law)))
+}
+
+/// tau0 in OpenFOAM's kinematic stress, m2/s2.
+const KINEMATIC_STRESS: Dims = Dims::KINEMATIC_PRESSURE;
+
+/// `sqrt(tau:tau/2)` of a symmetric tensor.
+#[inline]
+pub fn magnitude(tau: &Tensor) -> f64 {
+    (0.5 * granflow_base::double_dot(tau, tau)).sqrt()
+}

@@ -1,0 +1,468 @@
+//! Nonlocal granular fluidity (NGF): stress and strain rate are tied by a fluidity g that
+//! spreads over a few grains,
+//!
+//! paper eq. 1:  rate = g mu,            eta = P/g
+//! paper eq. 3:  g = g_loc + xi^2 lap g
+//! paper eq. 4:  g_loc = sqrt(P/(rho_s d^2)) I0 (mu - mu_s)/(mu (mu_2 - mu)),  mu > mu_s, else 0
+//! paper eq. 5:  xi = A d sqrt((mu_2 - mu)/(dmu |mu - mu_s|))
+//!
+//! (eq. 4 with the dimensions put right). At mu = mu_s xi is infinite and g_loc zero, so the
+//! equation is solved divided by xi^2, `lap g - q g + q g_loc = 0` with
+//! `q = dmu |mu - mu_s|/(A^2 d^2 (mu_2 - mu))`: both coefficients are regular there.
+//!
+//! The primitive form (D. L. Henann, K. Kamrin, Phys. Rev. Lett. 113 (2014) 178001), whose roots
+//! the steady form linearises:
+//!
+//! `t0 Dg/Dt = A^2 d^2 lap g - dmu (mu_s - mu)/(mu_2 - mu) g - b sqrt(rho_s d^2/P) mu g^2`, b = dmu/I0.
+
+use super::{Entry, FlowView, FluidContext, Granular, Rheology, RheologyError, RheologyInfo};
+use granflow_base::Dims;
+use granflow_dict::Reader;
+use granflow_fv::conditions::ZeroGradient;
+use granflow_fv::{CellField, Condition, Equation, FaceField, Surroundings, Unknown, laplacian};
+use granflow_fv::{Terms, div};
+use granflow_linsolve::{Csr, LinearSolver, SolveError, Tolerance};
+use granflow_mesh::Mesh;
+use granflow_par::Exec;
+
+/// Which equation the fluidity obeys.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Form {
+    /// Paper eq. 3: the steady state's linearisation about the flowing root.
+    Steady,
+    /// Henann & Kamrin (2014), with its relaxation time t0 in seconds.
+    Primitive {
+        /// Relaxation time, s.
+        t0: f64,
+    },
+}
+
+/// How the fluidity equation is solved.
+pub struct NgfNumerics {
+    /// Solver of the linearised equation.
+    pub solver: Box<dyn LinearSolver<f64>>,
+    /// Its tolerance.
+    pub tolerance: Tolerance,
+    /// Newton iterations stop at this residual: greatest imbalance of a cell over its terms.
+    pub residual: f64,
+}
+
+/// The parameters of the model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Law {
+    /// The grains.
+    pub grains: Granular,
+    /// Nonlocal amplitude.
+    pub a: f64,
+    /// Form of the equation.
+    pub form: Form,
+}
+
+/// The nonlocal granular fluidity.
+pub struct Ngf {
+    /// The parameters.
+    pub law: Law,
+    /// Fluidity, 1/s.
+    pub g: Unknown<f64>,
+    g_old: Vec<f64>,
+    /// Whether `g` holds a fluidity (from a file or an update) or only zeros.
+    known: bool,
+    numerics: NgfNumerics,
+    eqn: Equation<f64>,
+    one: FaceField<f64>,
+    carried: FaceField<f64>,
+    upwind: FaceField<f64>,
+    /// The linear part, `-lap g + t0/(A d)^2 div(phi g)`: values and right-hand side.
+    linear: Vec<f64>,
+    linear_b: Vec<f64>,
+    local: Vec<f64>,
+    rate: Vec<f64>,
+    trial: Vec<f64>,
+    step: Vec<f64>,
+    terms: Vec<Local>,
+    trial_terms: Vec<Local>,
+}
+
+pub(super) const ENTRY: Entry = Entry {
+    name: "NGF",
+    summary: "dense granular flow, nonlocal: the granular fluidity spreads over a few grains",
+    formula: "g = gLoc + xi^2 lap g, eta = P/g (form steady) or Henann & Kamrin's transient form \
+              (form primitive)",
+    reference: "K. Kamrin, G. Koval, Phys. Rev. Lett. 108 (2012) 178301; D. L. Henann, K. Kamrin, \
+                Phys. Rev. Lett. 113 (2014) 178001",
+    read: |r, context| Box::new(Ngf::read(r, context)),
+};
+
+/// The local part of the equation in one cell: `k(g)` per volume, its derivative, and the size of
+/// the terms it is made of.
+#[derive(Clone, Copy, Debug, Default)]
+struct Local {
+    k: f64,
+    slope: f64,
+    size: f64,
+    /// Imbalance of the whole equation over the size of its terms.
+    imbalance: f64,
+}
+
+impl Law {
+    /// The local part of the equation divided by (A d)^2 at frozen strain rate, where mu = rate/g:
+    ///
+    /// steady:    `k = q (g - g_loc)`
+    /// primitive: `k = [t0 (g - g_old)/dt + dmu (mu_s - mu)/(mu_2 - mu) g + b mu g^2/R]/(A d)^2`
+    ///
+    /// with `R = sqrt(P/rho_s)/d`.
+    fn local_terms(&self, g: f64, g_old: f64, rate: f64, r: f64, dt: f64) -> Local {
+        let Granular { mu_s, mu_2, i0, d, .. } = self.grains;
+        let dmu = mu_2 - mu_s;
+        let scale = 1.0 / (self.a * d).powi(2);
+        let mu = rate / g;
+        // Iterates keep mu below mu_2; the floor only guards the last digits there.
+        let w = (mu_2 - mu).max(1e-12 * mu_2);
+        let x = mu - mu_s;
+        let (k, slope, size) = match self.form {
+            Form::Steady => {
+                let sink = dmu * x.abs() * g / w;
+                let sink_slope = dmu * (x.abs() / w - mu * (x.signum() / w + x.abs() / (w * w)));
+                let xp = x.max(0.0);
+                let h = xp * xp / (mu * w * w);
+                let h_slope = 2.0 * xp / (mu * w * w) - h / mu + 2.0 * h / w;
+                let source = dmu * i0 * r * h;
+                let source_slope = -dmu * i0 * r * h_slope * mu / g;
+                (sink - source, sink_slope - source_slope, sink + source)
+            }
+            Form::Primitive { t0 } => {
+                let memory = t0 / dt;
+                let growth = dmu * x * g / w;
+                let growth_slope = dmu * (x / w - mu * (1.0 / w + x / (w * w)));
+                let damping = dmu / i0 * rate / r;
+                (
+                    memory * (g - g_old) - growth + damping * g,
+                    memory - growth_slope + damping,
+                    memory * (g + g_old) + growth.abs() + damping * g,
+                )
+            }
+        };
+        Local { k: scale * k, slope: scale * slope, size: scale * size, imbalance: 0.0 }
+    }
+}
+
+/// What the balance of the equation reads besides the fluidity itself.
+struct Balance<'a> {
+    law: Law,
+    a: &'a Csr,
+    linear: &'a [f64],
+    linear_b: &'a [f64],
+    g_old: &'a [f64],
+    rate: &'a [f64],
+    local: &'a [f64],
+}
+
+impl Balance<'_> {
+    /// Fills `terms` for the fluidity `g` (ghosts fresh) and returns the greatest imbalance.
+    fn of(&self, v: &FlowView<'_>, g: &[f64], terms: &mut [Local]) -> f64 {
+        let (a, volume) = (self.a, &v.mesh.volume);
+        v.exec.for_each(terms, |first, out| {
+            for (i, t) in out.iter_mut().enumerate() {
+                let c = first + i;
+                *t = self.law.local_terms(g[c], self.g_old[c], self.rate[c], self.local[c], v.dt);
+                // A g - b of the linear part, and the size of its terms.
+                let (mut sum, mut size) = (-self.linear_b[c], self.linear_b[c].abs());
+                for k in a.ptr[c] as usize..a.ptr[c + 1] as usize {
+                    let part = self.linear[k] * g[a.col[k] as usize];
+                    sum += part;
+                    size += part.abs();
+                }
+                t.size += size / volume[c];
+                t.k += sum / volume[c];
+                t.imbalance = -t.k / t.size;
+            }
+        });
+        let terms = &*terms;
+        v.exec.max(terms.len(), |r| r.map(|c| terms[c].imbalance.abs()).fold(0.0, f64::max))
+    }
+}
+
+impl Ngf {
+    /// Reads the coefficients and allocates the equation.
+    pub fn read(r: &Reader<'_>, context: FluidContext<'_>) -> Self {
+        let grains = Granular::read(r);
+        let a = r.positive("A", Dims::NONE);
+        let primitive = r.opt_one_of("form", &[("steady", false), ("primitive", true)], false);
+        let form = if primitive {
+            Form::Primitive { t0: r.positive("t0", Dims::TIME) }
+        } else {
+            // A case may keep its t0 while it tries the steady form.
+            r.ignore("t0");
+            Form::Steady
+        };
+        Ngf::new(
+            Law { grains, a, form },
+            context.exec,
+            context.mesh,
+            context.fluidity_conditions,
+            context.numerics,
+        )
+    }
+
+    /// The model on a mesh; `conditions` of the fluidity one per patch (none: zero gradient, the
+    /// paper's choice).
+    pub fn new(
+        law: Law,
+        exec: &Exec,
+        mesh: &Mesh,
+        mut conditions: Vec<Box<dyn Condition<f64>>>,
+        numerics: NgfNumerics,
+    ) -> Self {
+        while conditions.len() < mesh.patches.len() {
+            conditions.push(Box::new(ZeroGradient));
+        }
+        let (n, all) = (mesh.n_cells, mesh.n_cells + mesh.n_ghosts);
+        let eqn = Equation::new(exec, mesh);
+        Ngf {
+            law,
+            g: Unknown::new(mesh, "fluidity", Dims::RATE, 0.0, conditions),
+            g_old: vec![0.0; all],
+            known: false,
+            numerics,
+            linear: vec![0.0; eqn.a.val.len()],
+            eqn,
+            one: FaceField::new(mesh, "1", Dims::NONE, 1.0),
+            carried: FaceField::new(mesh, "t0 phi", Dims::LENGTH, 0.0),
+            upwind: FaceField::new(mesh, "upwind", Dims::NONE, 1.0),
+            linear_b: vec![0.0; n],
+            local: vec![0.0; n],
+            rate: vec![0.0; n],
+            trial: vec![0.0; all],
+            step: vec![0.0; all],
+            terms: vec![Local::default(); n],
+            trial_terms: vec![Local::default(); n],
+        }
+    }
+
+    /// The branch that leads to the true root: the local law's fluidity, rate/mu(I), smoothed by
+    /// one solve with the sink of material at rest. (From above, Newton would end on the spurious
+    /// root mu = mu_s, which the steady form has at any strain rate.)
+    fn start_from_local_law(&mut self, v: &FlowView<'_>) -> Result<usize, RheologyError> {
+        let Granular { mu_s, mu_2, d, .. } = self.law.grains;
+        let q = (mu_2 - mu_s) * mu_s / mu_2 / (self.law.a * d).powi(2);
+        let n = v.mesh.n_cells;
+        let (ptr, diag, linear) = (&self.eqn.a.ptr, &self.eqn.a.diag, &self.linear);
+        let (rate, local, grains) = (&self.rate, &self.local, self.law.grains);
+        let volume = &v.mesh.volume;
+        let law = |c: usize| rate[c] / grains.mu(rate[c] / local[c]);
+        // Unknown: the ratio to the local law, so that far decades are as exact as near ones.
+        v.exec.for_each(&mut self.trial[..n], |first, out| {
+            out.iter_mut().enumerate().for_each(|(i, g)| *g = law(first + i));
+        });
+        v.mesh.halo.update(v.exec, &mut self.trial);
+        let (trial, col) = (&self.trial, &self.eqn.a.col);
+        let linear_b = &self.linear_b;
+        v.exec.for_each_row(ptr, &mut self.eqn.a.val, &mut self.eqn.b, |first, val, b| {
+            let base = ptr[first] as usize;
+            for (i, b) in b.iter_mut().enumerate() {
+                let c = first + i;
+                let unit = 1.0 / (volume[c] * trial[c]);
+                for k in ptr[c] as usize..ptr[c + 1] as usize {
+                    let sink = if k == diag[c] as usize { q * volume[c] } else { 0.0 };
+                    val[k - base] = (linear[k] + sink) * trial[col[k] as usize] * unit;
+                }
+                *b = q + linear_b[c] * unit;
+            }
+        });
+        self.step[..n].fill(1.0);
+        let iterations = self.solve(v.exec)?;
+        let (step, trial, rate) = (&self.step, &self.trial, &self.rate);
+        v.exec.for_each(&mut self.g.cells.data[..n], |first, g| {
+            for (i, g) in g.iter_mut().enumerate() {
+                let c = first + i;
+                let least = rate[c] / mu_2 * (1.0 + 1e-12);
+                *g = (step[c] * trial[c]).max(least);
+            }
+        });
+        v.mesh.halo.update(v.exec, &mut self.g.cells.data);
+        Ok(iterations)
+    }
+
+    fn balance(&self) -> Balance<'_> {
+        Balance {
+            law: self.law,
+            a: &self.eqn.a,
+            linear: &self.linear,
+            linear_b: &self.linear_b,
+            g_old: &self.g_old,
+            rate: &self.rate,
+            local: &self.local,
+        }
+    }
+
+    fn solve(&mut self, exec: &Exec) -> Result<usize, RheologyError> {
+        let failed = |source| RheologyError::Solve { field: "fluidity", source };
+        let solver = &mut self.numerics.solver;
+        solver.refresh(exec, &self.eqn.a).map_err(failed)?;
+        let tolerance = &self.numerics.tolerance;
+        match solver.solve(exec, &self.eqn.a, &self.eqn.b, &mut self.step, tolerance) {
+            Ok(done) | Err(SolveError::NotConverged(done)) => Ok(done.iterations),
+            Err(e) => Err(failed(e)),
+        }
+    }
+
+    /// Newton in ln g at frozen strain rate, damped by a pseudo-time step that grows as the
+    /// residual falls (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508). Rows are
+    /// divided by the size of their terms and columns by g, so that every decade counts alike.
+    fn newton(&mut self, v: &FlowView<'_>) -> Result<RheologyInfo, RheologyError> {
+        let n = v.mesh.n_cells;
+        let mut info = RheologyInfo { solves: 1, ..RheologyInfo::default() };
+        info.iterations += self.start_from_local_law(v)?;
+        let mut terms = std::mem::take(&mut self.terms);
+        let mut trial_terms = std::mem::take(&mut self.trial_terms);
+        let mut residual = self.balance().of(v, &self.g.cells.data, &mut terms);
+        let mut tau = 1.0;
+        let mu_2 = self.law.grains.mu_2;
+        for _ in 0..MOST_NEWTON {
+            if residual <= self.numerics.residual || tau < 1e-12 {
+                break;
+            }
+            let g = &self.g.cells.data;
+            let Equation { a, b, .. } = &mut self.eqn;
+            let (ptr, diag, col, linear) = (&a.ptr, &a.diag, &a.col, &self.linear);
+            let (volume, t) = (&v.mesh.volume, &terms);
+            v.exec.for_each_row(ptr, &mut a.val, b, |first, val, b| {
+                let base = ptr[first] as usize;
+                for (i, b) in b.iter_mut().enumerate() {
+                    let c = first + i;
+                    let unit = 1.0 / (volume[c] * t[c].size);
+                    for k in ptr[c] as usize..ptr[c + 1] as usize {
+                        val[k - base] = linear[k] * g[col[k] as usize] * unit;
+                    }
+                    val[diag[c] as usize - base] += t[c].slope * g[c] / t[c].size + 1.0 / tau;
+                    *b = t[c].imbalance;
+                }
+            });
+            self.step.fill(0.0);
+            info.iterations += self.solve(v.exec)?;
+            info.solves += 1;
+            let (step, rate, g) = (&self.step, &self.rate, &self.g.cells.data);
+            v.exec.for_each(&mut self.trial[..n], |first, out| {
+                for (i, trial) in out.iter_mut().enumerate() {
+                    let c = first + i;
+                    let moved = g[c] * step[c].clamp(-2.0, 2.0).exp();
+                    *trial = moved.max(rate[c] / mu_2 * (1.0 + 1e-12));
+                }
+            });
+            v.mesh.halo.update(v.exec, &mut self.trial);
+            let next = self.balance().of(v, &self.trial, &mut trial_terms);
+            if next < 2.0 * residual + 1e-3 {
+                tau = (tau * 2.0 * (residual / next.max(1e-300)).max(0.5)).min(1e6);
+                std::mem::swap(&mut self.g.cells.data, &mut self.trial);
+                std::mem::swap(&mut terms, &mut trial_terms);
+                residual = next;
+            } else {
+                tau *= 0.1;
+            }
+        }
+        (self.terms, self.trial_terms) = (terms, trial_terms);
+        info.residual = residual;
+        Ok(info)
+    }
+
+    /// The linear part of the equation with the conditions of g, and the local rates.
+    fn prepare(&mut self, v: &FlowView<'_>) -> Result<(), RheologyError> {
+        let n = v.mesh.n_cells;
+        let (grains, pressure, strain_rate) = (self.law.grains, v.pressure, v.strain_rate);
+        v.exec.for_each2(&mut self.local, &mut self.rate, |first, local, rate| {
+            for i in 0..local.len() {
+                let c = first + i;
+                local[i] = grains.rate(pressure[c]);
+                rate[i] = strain_rate[c].max(AT_REST * local[i]);
+            }
+        });
+        let around = Surroundings {
+            time: v.time,
+            local_fluidity: &self.trial[..n],
+            ..Surroundings::default()
+        };
+        self.g.update(v.exec, v.mesh, &around, Some(v.flux));
+        let lhs: Terms<'_, f64> = match self.law.form {
+            Form::Steady => -laplacian(&self.one),
+            Form::Primitive { t0 } => {
+                let k = t0 / (self.law.a * self.law.grains.d).powi(2);
+                let flux = &v.flux.data;
+                v.exec.for_each2(
+                    &mut self.carried.data,
+                    &mut self.upwind.data,
+                    |first, carried, weight| {
+                        for i in 0..carried.len() {
+                            carried[i] = k * flux[first + i];
+                            weight[i] = if flux[first + i] >= 0.0 { 1.0 } else { 0.0 };
+                        }
+                    },
+                );
+                -laplacian(&self.one) + div(&self.carried, &self.upwind)
+            }
+        };
+        self.eqn.assemble(v.exec, v.mesh, &self.g, &lhs)?;
+        self.linear.copy_from_slice(&self.eqn.a.val);
+        self.linear_b.copy_from_slice(&self.eqn.b);
+        Ok(())
+    }
+
+    /// Viscosity, paper eq. 1: `eta = P/g`.
+    fn viscosity(&self, v: &FlowView<'_>, eta: &mut CellField<f64>) {
+        let (g, loose, pressure) = (&self.g.cells.data, self.law.grains.loose(), v.pressure);
+        v.exec.for_each(&mut eta.data[..v.mesh.n_cells], |first, out| {
+            for (i, eta) in out.iter_mut().enumerate() {
+                *eta = pressure[first + i].max(loose) / g[first + i];
+            }
+        });
+    }
+}
+
+/// Most Newton iterations of one update.
+const MOST_NEWTON: usize = 200;
+/// Inertial number of material at rest: small enough to leave any creeping zone alone.
+const AT_REST: f64 = 1e-20;
+
+impl Rheology for Ngf {
+    fn update(
+        &mut self,
+        v: &FlowView<'_>,
+        eta: &mut CellField<f64>,
+    ) -> Result<RheologyInfo, RheologyError> {
+        self.prepare(v)?;
+        let info = self.newton(v)?;
+        self.known = true;
+        self.viscosity(v, eta);
+        Ok(info)
+    }
+    fn begin_step(&mut self) {
+        self.g_old.copy_from_slice(&self.g.cells.data);
+    }
+    fn rollback(&mut self) {
+        self.g.cells.data.copy_from_slice(&self.g_old);
+    }
+    fn recall(&mut self, v: &FlowView<'_>, eta: &mut CellField<f64>) -> bool {
+        let positive = self.known || self.g.cells.data[..v.mesh.n_cells].iter().all(|g| *g > 0.0);
+        let mut everywhere = [if positive { 0.0 } else { 1.0 }];
+        v.exec.comm().max(&mut everywhere);
+        self.known = everywhere[0] == 0.0;
+        if self.known {
+            self.viscosity(v, eta);
+        }
+        self.known
+    }
+    fn reads_pressure(&self) -> bool {
+        true
+    }
+    fn field(&self) -> Option<&CellField<f64>> {
+        Some(&self.g.cells)
+    }
+    fn field_mut(&mut self) -> Option<&mut CellField<f64>> {
+        Some(&mut self.g.cells)
+    }
+    fn conditions(&self) -> &[Box<dyn Condition<f64>>] {
+        &self.g.conditions
+    }
+    fn grains(&self) -> Option<Granular> {
+        Some(self.law.grains)
+    }
+}
