@@ -1,1 +1,47 @@
-fn main() {}
+//! The project's one task runner: `cargo xtask ci|bench|docs|validate`.
+
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "a task runner talks to a person")]
+
+mod bench;
+mod ci;
+mod docs;
+mod links;
+mod run;
+mod totals;
+mod validate;
+
+use std::process::ExitCode;
+
+const USAGE: &str = "\
+usage: cargo xtask TASK [OPTIONS]
+
+  ci                      formatting, lints, tests, documentation; what .ci/run runs
+  docs [--check]          writes the book's reference pages from the registries; with --check
+       [--granflow PATH]  only says which are missing or stale, and which links lead nowhere
+  bench [PART ...]        timings; PART is kernels, annular or cavity (all of them by default)
+        [--repeat N]      runs of each program, 3 by default; medians are printed
+  validate [NAME ...]     the catalogue of cases at full resolution against its references";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let (task, rest) = args.split_first().map_or(("", &args[..]), |(t, r)| (t.as_str(), r));
+    let outcome = match task {
+        "ci" => ci::task(rest),
+        "docs" => docs::task(rest),
+        "bench" => bench::task(rest),
+        "validate" => validate::task(rest),
+        "" | "help" | "-h" | "--help" => {
+            println!("{USAGE}");
+            Ok(!task.is_empty())
+        }
+        other => Err(format!("unknown task `{other}`\n\n{USAGE}")),
+    };
+    match outcome {
+        Ok(true) => ExitCode::SUCCESS,
+        Ok(false) => ExitCode::FAILURE,
+        Err(message) => {
+            eprintln!("xtask: {message}");
+            ExitCode::from(2)
+        }
+    }
+}

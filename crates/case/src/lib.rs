@@ -1,5 +1,30 @@
 //! Cases on disk: dictionaries to configuration, fields, time directories, functions, plots.
+//!
+//! [`Case::load`] reads and checks everything and changes nothing; [`Run`] computes, writes and
+//! can be asked for one step at a time.
 
+pub mod boundary;
+mod build;
+mod case;
+mod collect;
+pub mod config;
+mod error;
+pub mod fields;
+pub mod figures;
+pub mod files;
+pub mod functions;
 pub mod jsonl;
+pub mod meshing;
+mod notices;
+pub mod output;
 pub mod plot;
+pub mod restart;
+mod run;
 pub mod store;
+mod worker;
+
+pub use case::{Case, From, Options};
+pub use config::CaseConfig;
+pub use error::CaseError;
+pub use notices::Notices;
+pub use run::{End, Event, Run, StepEvent};

@@ -257,6 +257,7 @@ impl Parser<'_> {
             ("min", [a, b]) => Ok((a.min(*b), int)),
             ("max", [a, b]) => Ok((a.max(*b), int)),
             ("abs" | "mag", [a]) => Ok((a.abs(), int)),
+            ("bool", [a]) => Ok(truth(*a != 0.0)),
             ("int" | "label", [a]) => Ok((a.trunc(), true)),
             ("true", []) => Ok(truth(true)),
             ("false", []) => Ok(truth(false)),

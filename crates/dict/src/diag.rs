@@ -232,6 +232,15 @@ impl Sink {
     pub fn n_errors(&self) -> usize {
         self.0.borrow().iter().filter(|d| d.severity == Severity::Error).count()
     }
+    /// Whether something was already found inside a span.
+    pub(crate) fn covers(&self, at: &Span) -> bool {
+        let inside = |d: &Diag| {
+            Arc::ptr_eq(&d.src, &at.src)
+                && at.range.start <= d.span.start
+                && d.span.end <= at.range.end
+        };
+        self.0.borrow().iter().any(inside)
+    }
     /// Everything found so far in order; the sink is empty afterwards.
     pub fn take(&self) -> Diags {
         std::mem::take(&mut *self.0.borrow_mut()).into()

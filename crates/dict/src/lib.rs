@@ -34,6 +34,7 @@
 
 mod arith;
 mod diag;
+mod directives;
 mod expand;
 mod files;
 mod listfile;
@@ -42,6 +43,7 @@ mod nearest;
 mod parse;
 mod reader;
 mod scan;
+mod sequence;
 mod source;
 mod token;
 mod tree;

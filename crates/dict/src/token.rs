@@ -110,7 +110,7 @@ fn verbatim(b: &[u8], at: usize) -> (Lexeme, Range<usize>) {
 }
 
 fn in_name(c: u8) -> bool {
-    c.is_ascii_alphanumeric() || matches!(c, b'_' | b'.' | b':' | b'/' | b'!' | b'|')
+    c.is_ascii_alphanumeric() || matches!(c, b'_' | b'.' | b':' | b'/' | b'!' | b'|' | b'-' | b'+')
 }
 
 fn variable(b: &[u8], at: usize) -> (Lexeme, Range<usize>) {

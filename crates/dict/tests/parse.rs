@@ -12,11 +12,14 @@ fn ok(text: &str) -> Dict {
 #[test]
 fn scopes_of_macros() {
     let d = ok("a 1; s { a 2; t { x $a; y $..a; z $:a; w $:s.a; v $.x; u ${...a}; } }\n\
-                alpha.water 7; b $alpha.water; c ${{ $a + 1 }}; k key; $k 5; q $s;");
+                alpha.water 7; b $alpha.water; c ${{ $a + 1 }}; k key; $k 5; q $s;\n\
+                a-b { m 1; } f { $a-b } g ${none:-4}; h #calc \"${none:-4} + $a\";");
     let t = d.sub("s").and_then(|s| s.sub("t")).unwrap();
     let n = |k: &str| t.number(k).unwrap();
     assert_eq!([n("x"), n("y"), n("z"), n("w"), n("v"), n("u")], [2., 2., 1., 2., 2., 1.]);
     assert_eq!((d.number("b"), d.number("c"), d.number("key")), (Some(7.), Some(2.), Some(5.)));
+    assert_eq!((d.number("g"), d.number("h")), (Some(4.), Some(5.)));
+    assert_eq!(d.sub("f").unwrap().number("m"), Some(1.0));
     assert_eq!(d.sub("q").unwrap().number("a"), Some(2.0));
 }
 
@@ -167,19 +170,12 @@ fn list_files_that_lie_are_found_out() {
 
 #[test]
 fn dimensioned_entries_in_three_forms_and_named_units() {
-    let d = ok("a 1; b [0 0 1 0 0 0 0] 2; c c [0 0 1] 3; d [s] 4; e (1 2 3); f [1 -1 -2 0 0] 5;");
-    let d = {
-        let mut d = d;
-        d.set("c", vec![Token::of_word("c"), Token::of_number(3.0)]);
-        d.remove("c");
-        d
-    };
+    let d =
+        ok("a 1; b [0 0 1 0 0 0 0] 2; c c [0 0 1 0 0] 3; d [s] 4; e (1 2 3); f [1 -1 -2 0 0] 5;");
     let sink = Sink::new();
     let r = Reader::new(&d, &sink);
-    assert_eq!(
-        [r.scalar("a", Dims::TIME), r.scalar("b", Dims::TIME), r.scalar("d", Dims::TIME)],
-        [1., 2., 4.]
-    );
+    let times = ["a", "b", "c", "d"].map(|k| r.scalar(k, Dims::TIME));
+    assert_eq!(times, [1., 2., 3., 4.]);
     assert_eq!(r.vector("e", Dims::LENGTH), [1., 2., 3.]);
     assert_eq!(
         r.scalar_any("f", &[Dims::KINEMATIC_PRESSURE, Dims::PRESSURE]),

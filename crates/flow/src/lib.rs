@@ -2,6 +2,7 @@
 
 mod anderson;
 mod momentum;
+mod predictor;
 mod pressure;
 mod state;
 mod step;

@@ -115,24 +115,6 @@ impl Flow {
         });
         if force > 0.0 { imbalance / force } else { 0.0 }
     }
-
-    /// Solves momentum for the velocity with the pressure as it is.
-    pub(crate) fn predict_velocity(&mut self, last: bool) -> Result<granflow_linsolve::Solved, StepError> {
-        let time = self.state.time;
-        let Flow { exec, state, numerics, work: w, .. } = self;
-        let solve = &mut numerics.u;
-        let tolerance = if last { &solve.last } else { &solve.tolerance };
-        let failed = |source| StepError::Solve { field: "U", time, source };
-        solve.solver.refresh(exec, &w.u_eqn.a).map_err(failed)?;
-        crate::settle(solve.solver.solve(
-            exec,
-            &w.u_eqn.a,
-            &w.b,
-            &mut state.u.cells.data,
-            tolerance,
-        ))
-        .map_err(failed)
-    }
 }
 
 /// Sum of the off-diagonal entries of a row.

@@ -116,15 +116,15 @@ impl Flow {
             report.residuals.u = self.momentum_residual();
             report.residuals.p = self.continuity_residual();
         }
+        if std::env::var("TRACE").is_ok() { #[allow(clippy::print_stderr)] { let (a,b)=(self.momentum_residual(), self.continuity_residual()); eprintln!("t {:.3e} visc {:.3e} U {a:.3e} p {b:.3e} settled {settled}", self.state.time, report.residuals.viscosity); } }
         Ok(settled && report.residuals.within(&self.numerics.control))
     }
 
     /// Momentum, then the pressure corrections.
     fn correct(&mut self, dt: f64, last: bool, report: &mut Report) -> Result<(), StepError> {
         if self.numerics.predictor {
-            let solved = self.predict_velocity(last)?;
+            let solved = self.predict_velocity(dt, last)?;
             note(&mut report.u, &mut report.iterations[0], solved);
-            self.update_conditions();
         }
         self.update_mobility();
         for i in 0..self.numerics.correctors {
@@ -226,8 +226,7 @@ impl Flow {
         );
         self.recall_viscosity(self.state.dt_old.max(f64::MIN_POSITIVE))?;
         let Flow { exec, mesh, work: w, state, .. } = self;
-        let gradient = (mesh.max_nonorth_deg > 0.1).then_some(&w.grad_u[..]);
-        w.reconstruction.viscous_stress(exec, mesh, &state.u, gradient, &w.eta_f, &mut w.stress);
+        w.reconstruction.viscous_stress(exec, mesh, &state.u, &w.grad_u, &w.eta_f, &mut w.stress);
         let (stress, eta) = (&w.stress, &w.eta.data);
         exec.for_each(&mut w.strain_rate[..mesh.n_cells], |first, out| {
             for (i, rate) in out.iter_mut().enumerate() {

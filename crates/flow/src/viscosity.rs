@@ -64,9 +64,9 @@ impl Flow {
         self.total_pressure();
         let time = self.state.time;
         let n = self.mesh.n_cells;
-        let Flow { exec, mesh, work: w, fluid, state, .. } = self;
-        let gradient = (mesh.max_nonorth_deg > 0.1).then_some(&w.grad_u[..]);
-        w.reconstruction.viscous_stress(exec, mesh, &state.u, gradient, &w.eta_f, &mut w.stress);
+        let Flow { exec, mesh, work: w, fluid, state, numerics, .. } = self;
+        numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
+        w.reconstruction.viscous_stress(exec, mesh, &state.u, &w.grad_u, &w.eta_f, &mut w.stress);
         let (stress, eta) = (&w.stress, &w.eta.data);
         exec.for_each(&mut w.strain_rate[..n], |first, out| {
             for (i, rate) in out.iter_mut().enumerate() {

@@ -1,6 +1,7 @@
 //! Scratch of a step: allocated once, and any of it may be garbage between steps.
 
 use crate::Anderson;
+use crate::predictor::Krylov;
 use granflow_base::{Dims, Tensor, Vec3};
 use granflow_fv::{CellField, Equation, FaceField, Reconstruction, Unknown};
 use granflow_mesh::Mesh;
@@ -44,7 +45,10 @@ pub(crate) struct Work {
     pub(crate) phi_star: FaceField<f64>,
     pub(crate) p_prime: Unknown<f64>,
     pub(crate) p_scratch: FaceField<f64>,
+    /// 1/(2 eta), the pressure's answer to compression where viscosity rules.
+    pub(crate) compliance: CellField<f64>,
     pub(crate) reconstruction: Reconstruction,
+    pub(crate) krylov: Krylov,
 }
 
 impl Work {
@@ -90,7 +94,9 @@ impl Work {
             phi_star: FaceField::new(m, "phi", Dims::VOLUME_FLUX, 0.0),
             p_prime: Unknown::new(m, "p'", p.cells.dims, 0.0, conditions),
             p_scratch: FaceField::new(m, "phi'", Dims::VOLUME_FLUX, 0.0),
+            compliance: CellField::new(m, "1/(2 eta)", Dims::VISCOSITY.inv(), 0.0),
             reconstruction: Reconstruction::new(m),
+            krylov: Krylov::new(m),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Explicit operators. Face loops write faces, cell loops write cells; nothing else is written.
 
 use crate::{Differentiable, FaceField, Unknown};
-use granflow_base::{Tensor, Value, Vec3, dot, scale, unit};
+use granflow_base::{Tensor, Value, Vec3, dot, scale};
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
 
@@ -117,21 +117,27 @@ pub fn transpose_stress_flux(
     exec.for_each(&mut out.data, |first, out| {
         for (i, t) in out.iter_mut().enumerate() {
             let f = first + i;
-            let o = mesh.owner[f] as usize;
-            let at_face = match mesh.neighbour.get(f) {
-                Some(&n) => {
-                    let w = mesh.weight[f];
-                    gradient[o].scaled(w).axpy(1.0 - w, gradient[n as usize])
-                }
-                None => gradient[o],
-            };
-            let n = unit(mesh.area[f]);
             let dudn = normal_derivative(mesh, u, Some(gradient), f);
-            let jump = dot(dudn.minus(Vec3::along(at_face, n)), mesh.area[f]);
-            let transposed = granflow_base::apply(&at_face, mesh.area[f]);
-            *t = scale(transposed.axpy(jump, n), eta.data[f]);
+            *t = scale(transpose_derivative(mesh, gradient, f, dudn), eta.data[f] * mesh.mag_area[f]);
         }
     });
+}
+
+/// `n . (grad U)^T = grad (U . n)` on face `f`: interpolated cell gradients whose normal part is
+/// replaced by the compact normal derivative `dudn`. Units of the strain rate.
+#[inline]
+pub fn transpose_derivative(mesh: &Mesh, gradient: &[Tensor], f: usize, dudn: Vec3) -> Vec3 {
+    let o = mesh.owner[f] as usize;
+    let at_face = match mesh.neighbour.get(f) {
+        Some(&n) => {
+            let w = mesh.weight[f];
+            gradient[o].scaled(w).axpy(1.0 - w, gradient[n as usize])
+        }
+        None => gradient[o],
+    };
+    let n = scale(mesh.area[f], 1.0 / mesh.mag_area[f]);
+    let jump = dot(dudn.minus(Vec3::along(at_face, n)), n);
+    granflow_base::apply(&at_face, n).axpy(jump, n)
 }
 
 /// Weights that rebuild a cell gradient from normal derivatives on its faces:
@@ -154,35 +160,55 @@ impl Reconstruction {
         Reconstruction { inverse: (0..mesh.n_cells).map(one).collect() }
     }
 
-    /// The mean viscous stress of each cell from what its faces carry: the tensor
-    /// `H_ij = eta d_i U_j` rebuilt from the compact normal derivatives `eta_f dU/dn`, then
-    /// `tau = H + H^T`. Averaging stresses, which are smooth, in place of strain rates, which fall
-    /// by a decade every few grains, is what makes four cells a grain enough.
+    /// The mean viscous stress of each cell, rebuilt from the tractions of its faces as momentum
+    /// has them. Averaging stresses, which are smooth, in place of strain rates, which fall by a
+    /// decade every few grains, is what makes four cells a grain enough.
+    ///
+    /// With `H_ij = eta d_i U_j` from compact normal derivatives on the faces that look along i,
+    /// and `T` from the whole tractions (transpose part included), the diagonal is `2 H_ii`. Off
+    /// the diagonal T_ij and T_ji are the same stress seen from two sets of faces; each counts by
+    /// the share that its compact part has in it, since the other part comes from wide differences.
     pub fn viscous_stress(
         &self,
         exec: &Exec,
         mesh: &Mesh,
         u: &Unknown<Vec3>,
-        gradient: Option<&[Tensor]>,
+        gradient: &[Tensor],
         eta: &FaceField<f64>,
         out: &mut [Tensor],
     ) {
+        let non_orthogonal = (mesh.max_nonorth_deg > 0.1).then_some(gradient);
         exec.for_each(&mut out[..mesh.n_cells], |first, out| {
             for (i, tau) in out.iter_mut().enumerate() {
                 let c = first + i;
-                let mut sum = [0.0; 9];
+                let (mut compact, mut whole) = ([0.0; 9], [0.0; 9]);
                 for (f, _) in mesh.faces_of(c) {
-                    let q = normal_derivative(mesh, u, gradient, f);
-                    sum = sum.axpy(eta.data[f], Vec3::dyad(mesh.area[f], q));
+                    let dudn = normal_derivative(mesh, u, non_orthogonal, f);
+                    let both = dudn.plus(transpose_derivative(mesh, gradient, f, dudn));
+                    compact = compact.axpy(eta.data[f], Vec3::dyad(mesh.area[f], dudn));
+                    whole = whole.axpy(eta.data[f], Vec3::dyad(mesh.area[f], both));
                 }
-                let mut h = [0.0; 9];
-                for r in 0..3 {
-                    for k in 0..3 {
-                        h[3 * r + k] = (0..3).map(|m| self.inverse[c][3 * r + m] * sum[3 * m + k]).sum();
-                    }
+                let h = product(&self.inverse[c], &compact);
+                let t = product(&self.inverse[c], &whole);
+                for (a, b) in [(1, 3), (2, 6), (5, 7)] {
+                    let (p, q) = (h[a] * h[a], h[b] * h[b]);
+                    let s = if p + q > 0.0 { (p * t[a] + q * t[b]) / (p + q) } else { 0.0 };
+                    (tau[a], tau[b]) = (s, s);
                 }
-                *tau = h.plus(granflow_base::transpose(&h));
+                (tau[0], tau[4], tau[8]) = (2.0 * h[0], 2.0 * h[4], 2.0 * h[8]);
             }
         });
     }
+}
+
+/// `(a . b)_ij = a_ik b_kj`.
+#[inline]
+fn product(a: &Tensor, b: &Tensor) -> Tensor {
+    let mut c = [0.0; 9];
+    for i in 0..3 {
+        for j in 0..3 {
+            c[3 * i + j] = (0..3).map(|k| a[3 * i + k] * b[3 * k + j]).sum();
+        }
+    }
+    c
 }

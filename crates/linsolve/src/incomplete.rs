@@ -43,7 +43,9 @@ impl Half {
         for i in 0..a.rows() {
             let start = i / ROWS * ROWS;
             for k in a.ptr[i]..a.ptr[i + 1] {
-                let Some(j) = a.folded(a.col[k as usize]) else { continue };
+                let Some(j) = a.folded(a.col[k as usize]) else {
+                    continue;
+                };
                 if j < start || j >= start + ROWS || !keep(j, i) {
                     continue;
                 }

@@ -221,7 +221,9 @@ mod tests {
     fn every_name_builds_and_every_alias_leads_somewhere() {
         for e in ALL {
             if let Some(to) = e.mapped_onto {
-                assert!(ALL.iter().any(|o| o.kind == e.kind && o.name == to && o.mapped_onto.is_none()));
+                assert!(
+                    ALL.iter().any(|o| o.kind == e.kind && o.name == to && o.mapped_onto.is_none())
+                );
             }
             let mut spec = SolverSpec { solver: "PCG".into(), ..SolverSpec::default() };
             match e.kind {

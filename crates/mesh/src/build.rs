@@ -247,6 +247,15 @@ fn solved_dirs(poly: &PolyMesh, g: &Geometry) -> Result<[bool; 3], MeshError> {
             }
         }
     }
+    let empty = || poly.patches.iter().filter(|p| p.kind == PatchKind::Empty && p.len > 0);
+    let (faces, cells) = (empty().map(|p| p.len).sum::<usize>(), poly.n_cells());
+    if let Some(p) = empty().next().filter(|_| !faces.is_multiple_of(2 * cells)) {
+        let reason = format!(
+            "{cells} cells have {faces} empty faces, but a two-dimensional mesh is one cell thick \
+             and has two a cell"
+        );
+        return Err(MeshError::Empty { patch: p.name.clone(), reason });
+    }
     if solved == [false; 3] {
         let named = poly.patches.iter().find(|p| p.kind == PatchKind::Empty);
         return Err(MeshError::Empty {

@@ -230,14 +230,14 @@ fn match_faces(
     let mut taken = vec![false; q.len];
     let mut pairs = Vec::with_capacity(p.len);
     let mut worst: Option<(usize, f64)> = None;
-    for a in 0..p.len {
+    for (a, &reach) in allowed.iter().enumerate() {
         let at = dot(along, g.face_centre[p.start + a]);
-        let first = sorted.partition_point(|x| x.0 < at - allowed[a]);
+        let first = sorted.partition_point(|x| x.0 < at - reach);
         let best = sorted[first..]
             .iter()
-            .take_while(|x| x.0 <= at + allowed[a])
+            .take_while(|x| x.0 <= at + reach)
             .map(|&(_, b)| (gap(a, b as usize), b))
-            .filter(|&(d, b)| d <= allowed[a] && !taken[b as usize])
+            .filter(|&(d, b)| d <= reach && !taken[b as usize])
             .min_by(|x, y| x.0.total_cmp(&y.0));
         if let Some((_, b)) = best {
             taken[b as usize] = true;

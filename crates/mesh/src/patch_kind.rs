@@ -33,7 +33,7 @@ pub(crate) fn read_kind(r: &Reader<'_>) -> PatchKind {
         let help = refusal(word);
         r.error_at(
             &r.value_span("type"),
-            &format!("patches of type `{word}` are not supported"),
+            format!("patches of type `{word}` are not supported"),
             "unknown patch type",
             Some(&help),
         );
@@ -77,7 +77,7 @@ fn read_cyclic(r: &Reader<'_>) -> PatchKind {
     let missing = |key: &str| {
         r.error_at(
             &r.value_span("transform"),
-            &format!("a {word} cyclic patch needs `{key}`"),
+            format!("a {word} cyclic patch needs `{key}`"),
             "asked for here",
             None,
         );
@@ -105,7 +105,7 @@ fn read_cyclic(r: &Reader<'_>) -> PatchKind {
         _ => {
             r.error_at(
                 &r.value_span("transform"),
-                &format!("unknown transform `{word}`"),
+                format!("unknown transform `{word}`"),
                 "not a transform of cyclic patches",
                 Some("known are unknown, translational, rotational"),
             );

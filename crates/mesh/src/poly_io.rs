@@ -76,7 +76,7 @@ pub fn read(files: &PolyFiles) -> Result<Read, Vec<Diag>> {
         }
         Some(other) => {
             // An empty list has no type of its own.
-            if other.len() > 0 {
+            if !other.is_empty() {
                 wrong(src, &other, "a list of cell numbers");
             }
             Vec::new()
@@ -98,15 +98,15 @@ pub fn read(files: &PolyFiles) -> Result<Read, Vec<Diag>> {
                 }
             }
         }
-        Some(other) if other.len() > 0 => {
+        Some(other) if !other.is_empty() => {
             wrong(&files.boundary, &other, "a list of patches");
         }
         _ => {}
     }
-    if !sink.has_errors() {
-        if let Err(e) = mesh.validate() {
-            sink.push(Diag::file(&files.owner.path, e.to_string()));
-        }
+    if !sink.has_errors()
+        && let Err(e) = mesh.validate()
+    {
+        sink.push(Diag::file(&files.owner.path, e.to_string()));
     }
     let found = sink.take();
     if found.has_errors() { Err(found.0) } else { Ok(Read { mesh, warnings: found.0 }) }

@@ -274,6 +274,9 @@ impl PolyMesh {
             if self.face_ptr[f] > self.face_ptr[f + 1] {
                 return fault(format!("face offsets decrease at face {f}"));
             }
+            if self.face_ptr[f + 1] as usize > self.face_points.len() {
+                return fault(format!("face {f} ends beyond the list of face points"));
+            }
             let points = self.face(f);
             if points.len() < 3 {
                 return fault(format!("face {f} has {} points; it needs 3", points.len()));
@@ -367,6 +370,12 @@ mod tests {
         let mut m = good.clone();
         m.patches[1].start += 1;
         assert!(m.validate().unwrap_err().to_string().contains("starts at face"));
+        let mut m = good.clone();
+        m.face_ptr[1] = 4000;
+        assert!(m.validate().is_err());
+        let mut m = good.clone();
+        m.owner[0] = u32::MAX;
+        assert!(m.validate().is_err());
         let mut m = good.clone();
         m.owner.pop();
         assert!(m.validate().is_err());

@@ -1,4 +1,5 @@
 //! Ghosts of periodic, wedge and decomposed meshes.
+#![allow(clippy::unwrap_used)]
 
 use granflow_base::{Vec3, add, apply, dot, norm, rotation_about, scale, sub};
 use granflow_mesh::{
@@ -175,6 +176,12 @@ fn empty_patches_take_out_their_direction() {
     .unwrap();
     assert_eq!(m.solved_dirs, [true, true, false]);
     assert_eq!(m.patches[4].faces.len(), 6);
+    let thick = shapes::box_mesh([2, 2, 2], [0.0; 3], [1.0; 3], {
+        let mut k = shapes::all(PatchKind::Wall);
+        k[4..].fill(PatchKind::Empty);
+        k
+    });
+    insta::assert_snapshot!(Mesh::new(&thick).err().unwrap(), @"empty patch `zMin`: 8 cells have 8 empty faces, but a two-dimensional mesh is one cell thick and has two a cell");
     let skew = shapes::mapped_box(
         [2, 2, 1],
         [0.0; 3],

@@ -57,7 +57,8 @@ mod tests {
             exec.for_each_row(&ptr, &mut values, &mut sum, |first, v, out| {
                 let base = ptr[first] as usize;
                 for (i, s) in out.iter_mut().enumerate() {
-                    let (lo, hi) = (ptr[first + i] as usize - base, ptr[first + i + 1] as usize - base);
+                    let (lo, hi) =
+                        (ptr[first + i] as usize - base, ptr[first + i + 1] as usize - base);
                     v[lo..hi].iter_mut().for_each(|x| *x += i as f64 * 0.0 + 1.0);
                     *s = v[lo..hi].iter().sum();
                 }

@@ -130,6 +130,10 @@ impl<'a> Reader<'a> {
         };
         self.surplus(e, at + 1);
         if values.len() != n {
+            // The list itself was found wanting: its length says nothing more.
+            if self.sink().covers(&t[at].span) {
+                return FieldValue::Uniform(T::ZERO);
+            }
             let text = format!("`{key}` has {} values for {n} elements", values.len());
             return bad(&t[at].span, text, format!("expected {n} values"));
         }

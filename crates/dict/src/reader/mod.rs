@@ -256,10 +256,10 @@ impl<'a> Reader<'a> {
     fn swallowed(&self, e: &Entry, t: &[Token], i: usize) {
         let last = if i == 0 { &e.key_span } else { &t[i - 1].span };
         let next = t[i].text().map_or_else(|| t[i].describe(), |w| format!("`{}`", brief(w)));
-        let d = Diag::error(
-            &last.after(),
-            format!("missing `;` after entry `{}`", brief(e.key.text())),
-        );
+        // Several lines may be swallowed: name the one whose end lacks its `;`.
+        let head = (0..i).rev().find(|&j| fresh_line(e, t, j)).and_then(|j| t[j].word());
+        let head = brief(head.unwrap_or(e.key.text()));
+        let d = Diag::error(&last.after(), format!("missing `;` after entry `{head}`"));
         let help = format!("{next} on the next line was read as part of it");
         self.sink.push(d.label("expected `;` here").help(help));
     }
@@ -272,11 +272,11 @@ impl<'a> Reader<'a> {
         if t[i].word().is_some() && fresh_line(e, t, i) {
             self.swallowed(e, t, i);
         } else {
-            let key = brief(e.key.text());
-            let d = Diag::error(
-                &t[i].span,
-                format!("unexpected {} after the value of `{key}`", t[i].describe()),
-            );
+            let (key, what) = (brief(e.key.text()), t[i].describe());
+            let text = format!("{what} is not expected after the value of `{key}`");
+            let comma = i > 0 && t[i - 1].number().is_some() && t[i].span.text().starts_with(',');
+            let help = comma.then_some("decimals are written with a point");
+            let d = Diag::error(&t[i].span, text).maybe_help(help);
             self.sink.push(d.label("expected `;` before this"));
         }
     }

@@ -199,8 +199,10 @@ impl<'a> TokenReader<'a> {
         match &self.entry {
             Some((e, r)) if matches!(&e.value, Value::Stream(_)) => r.surplus(e, self.at),
             _ => {
-                let d =
-                    Diag::error(&t.span, format!("unexpected {} in `{}`", t.describe(), self.what));
+                let d = Diag::error(
+                    &t.span,
+                    format!("{} is not expected in `{}`", t.describe(), self.what),
+                );
                 self.sink.push(d.label("not expected here"));
             }
         }

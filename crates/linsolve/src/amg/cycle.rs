@@ -87,7 +87,8 @@ impl<const N: usize> Hierarchy<N> {
         }
         orders.reverse();
         let bottom = if direct { graphs.pop().map(Bottom::new) } else { None };
-        let mut levels: Vec<Level<N>> = graphs.into_iter().zip(&orders).map(|(g, o)| Level::new(g, o)).collect();
+        let mut levels: Vec<Level<N>> =
+            graphs.into_iter().zip(&orders).map(|(g, o)| Level::new(g, o)).collect();
         for (l, (galerkin, parent)) in links.into_iter().enumerate() {
             let own: Vec<u32>;
             let (row, slot) = match levels.get(l + 1) {
@@ -158,12 +159,6 @@ impl<const N: usize> Hierarchy<N> {
             false => cycle.precondition(&mut self.levels, self.bottom.as_mut()),
         }
     }
-    /// Rows of each level, for tests and reports.
-    pub(crate) fn sizes(&self) -> Vec<(usize, usize)> {
-        let all = self.levels.iter().map(|l| &l.graph);
-        let all = all.chain(self.bottom.iter().map(|b| &b.graph));
-        all.map(|g| (g.rows(), g.col.len())).collect()
-    }
 }
 
 impl<const N: usize> Level<N> {
@@ -186,7 +181,8 @@ impl<const N: usize> Bottom<N> {
 fn clustered(galerkin: &Galerkin, parent: &[u32], order: &[u32]) -> Vec<u32> {
     let mut out = Vec::with_capacity(parent.len());
     for &i in order {
-        let own = galerkin.child_ptr[i as usize] as usize..galerkin.child_ptr[i as usize + 1] as usize;
+        let own =
+            galerkin.child_ptr[i as usize] as usize..galerkin.child_ptr[i as usize + 1] as usize;
         out.extend_from_slice(&galerkin.child[own]);
     }
     out.extend((0..parent.len() as u32).filter(|&i| parent[i as usize] == NONE));
@@ -206,7 +202,9 @@ impl Cycle<'_> {
         levels: &mut [Level<N>],
         bottom: Option<&mut Bottom<N>>,
     ) {
-        let Some((fine, coarse)) = levels.split_first_mut() else { return };
+        let Some((fine, coarse)) = levels.split_first_mut() else {
+            return;
+        };
         let exec = self.exec;
         let Level { matrix, down, b, z, t, .. } = fine;
         matrix.forward(exec, b, z);
@@ -252,7 +250,7 @@ impl Cycle<'_> {
             let b = &bb[first..first + v.len()];
             [inner(w, v), inner(w, b), inner(b, b)]
         });
-        if !(rho > 0.0) {
+        if rho <= 0.0 || rho.is_nan() {
             return;
         }
         let step = (alpha / rho) as f32;
@@ -275,7 +273,7 @@ impl Cycle<'_> {
             [inner(w, &vv[all.clone()]), inner(w, t), inner(w, &bb[all])]
         });
         let rho2 = beta - gamma * gamma / rho;
-        if !(rho2 > 0.0) {
+        if rho2 <= 0.0 || rho2.is_nan() {
             return combine(exec, c, step, &[], 0.0);
         }
         let second = alpha2 / rho2;

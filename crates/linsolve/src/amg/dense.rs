@@ -52,7 +52,8 @@ impl Dense {
             x.fill(0.0);
             x[j] = 1.0;
             for i in j + 1..n {
-                let s: f64 = lu[i * n + j..i * n + i].iter().zip(&x[j..i]).map(|(a, b)| a * b).sum();
+                let s: f64 =
+                    lu[i * n + j..i * n + i].iter().zip(&x[j..i]).map(|(a, b)| a * b).sum();
                 x[i] -= s;
             }
             for i in (0..n).rev() {

@@ -51,7 +51,8 @@ impl Layout {
             }
             sorted.clear();
             sorted.extend_from_slice(members);
-            sorted.sort_by_key(|&i| colour[i as usize].1);
+            // Rows of one length side by side: less padding.
+            sorted.sort_by_key(|&i| (colour[i as usize].1, g.entries(i as usize).len()));
             let mut before = NONE;
             for &i in &sorted {
                 if colour[i as usize].1 != before {

@@ -219,7 +219,8 @@ impl Transfer {
             i if parent[i as usize] == NONE => NONE,
             i => coarse_slot[parent[i as usize] as usize],
         };
-        let mut t = Transfer { parent: fine.row.iter().map(|&i| up(i)).collect(), ..Transfer::default() };
+        let mut t =
+            Transfer { parent: fine.row.iter().map(|&i| up(i)).collect(), ..Transfer::default() };
         t.ptr.push(0);
         for &i in coarse_row {
             if i != NONE {

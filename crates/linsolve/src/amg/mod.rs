@@ -69,9 +69,8 @@ impl<const N: usize> Amg<N> {
 impl<T: Value, const N: usize> Precond<T> for Amg<N> {
     fn refresh(&mut self, exec: &Exec, a: &Csr) -> Result<(), SolveError> {
         check_diagonal(exec, a)?;
-        let largest = exec.max(a.rows(), |r| {
-            r.map(|i| a.val[a.diag[i] as usize].abs()).fold(0.0, f64::max)
-        });
+        let largest =
+            exec.max(a.rows(), |r| r.map(|i| a.val[a.diag[i] as usize].abs()).fold(0.0, f64::max));
         self.scale = 1.0 / largest;
         if self.shape == Shape::of(a) && !self.stale {
             self.hierarchy.refresh(exec, a, self.scale);

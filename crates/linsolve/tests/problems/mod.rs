@@ -1,5 +1,5 @@
 //! The problem set that every solver is held against: 7-point matrices on a box of cells.
-#![allow(dead_code)]
+#![allow(dead_code, unreachable_pub)]
 
 use std::sync::Arc;
 

@@ -92,9 +92,29 @@ fn arc(from: Vec3, through: Vec3, to: Vec3) -> Result<Course, String> {
     let axis = unit(normal);
     let end = sub(to, centre);
     let angle = dot(axis, cross(arm, end)).atan2(dot(arm, end));
-    // About this axis the through point comes before the end point.
-    let angle = if angle <= 0.0 { angle + std::f64::consts::TAU } else { angle };
+    // The short way round, unless the given point lies off to the other side of the start. So a
+    // point beyond the end still gives the short arc that OpenFOAM's tool draws; see `passes`.
+    let middle = sub(through, centre);
+    let same_side = dot(cross(arm, middle), cross(arm, end)) >= 0.0;
+    let angle = match (same_side, angle > 0.0) {
+        (true, _) => angle,
+        (false, true) => angle - std::f64::consts::TAU,
+        (false, false) => angle + std::f64::consts::TAU,
+    };
     Ok(Course::Arc { centre, arm, axis, angle })
+}
+
+/// Whether an arc from `from` to `to` contains the point it was given by.
+pub(super) fn passes(from: Vec3, through: Vec3, to: Vec3) -> bool {
+    match arc(from, through, to) {
+        Ok(Course::Arc { centre, arm, axis, angle }) => {
+            let middle = sub(through, centre);
+            let at = dot(axis, cross(arm, middle)).atan2(dot(arm, middle));
+            let at = if angle > 0.0 { at } else { -at };
+            at.rem_euclid(std::f64::consts::TAU) <= angle.abs()
+        }
+        _ => true,
+    }
 }
 
 fn knots(from: Vec3, inner: &[Vec3], to: Vec3, smooth: bool) -> Result<Course, String> {
@@ -130,6 +150,11 @@ mod tests {
         let long = arc(from, [-h, -h, 2.0], to).unwrap();
         assert!(close(long.at(0.5), [-h, -h, 2.0]) && close(long.at(0.0), from));
         assert!(arc(from, [0.5, 0.5, 2.0], to).is_err());
+        assert!(passes(from, [h, h, 2.0], to) && passes(from, [-h, -h, 2.0], to));
+        // Given by a point beyond its end an arc takes the short way.
+        let short = arc(from, [-h, h, 2.0], to).unwrap();
+        assert!(close(short.at(0.5), [h, h, 2.0]));
+        assert!(!passes(from, [-h, h, 2.0], to));
     }
 
     #[test]

@@ -1,6 +1,5 @@
 //! Blocks to cells and faces.
 
-use super::boundary::order_cyclics;
 use super::points::points;
 use super::topology::{Side, Topology, Walk};
 use super::{Block, BlockMesh, FACES};
@@ -76,22 +75,23 @@ pub(super) fn generate(mesh: &BlockMesh, topology: &Topology) -> Result<PolyMesh
             kept.push(raw[p]);
         } else {
             label[p] = label[root];
+            // Of blocks that differ in rounding the last one is right, as in OpenFOAM's tool.
+            kept[label[p] as usize] = raw[p];
         }
     }
     let cells = Cells { mesh, topology, offsets, label };
     let mut poly = PolyMesh { points: kept, face_ptr: vec![0], ..PolyMesh::default() };
     cells.inner_faces(&mut poly);
     cells.patches(&mut poly);
-    order_cyclics(&mut poly);
     Ok(poly)
 }
 
 /// Merges points along edges and sides whose corners coincide.
 fn collapse(mesh: &BlockMesh, offsets: &Offsets, merged: &mut Merged) {
     for (b, block) in mesh.blocks.iter().enumerate() {
-        for s in 0..6 {
+        for (s, corners) in FACES.iter().enumerate() {
             let v = block.side(s);
-            let walk = Walk::new(&FACES[s], block.n_points());
+            let walk = Walk::new(corners, block.n_points());
             let [nu, nv] = walk.n;
             let mut join = |p: (usize, usize), q: (usize, usize)| {
                 let at = |(u, v)| offsets.point[b] + block.point(walk.at(u, v));
@@ -251,6 +251,8 @@ impl Cells<'_> {
     }
 
     fn patches(&self, poly: &mut PolyMesh) {
+        let (name, kind) = &self.mesh.default_patch;
+        let named_default = self.mesh.patches.iter().any(|p| p.name == *name);
         for (p, patch) in self.mesh.patches.iter().enumerate() {
             let start = poly.owner.len();
             for (face, _) in &patch.faces {
@@ -266,6 +268,9 @@ impl Cells<'_> {
                     }
                 }
             }
+            if patch.name == *name {
+                self.free_faces(poly);
+            }
             let len = poly.owner.len() - start;
             let (name, kind) = (patch.name.clone(), patch.kind.clone());
             poly.patches.push(PolyPatch {
@@ -276,32 +281,41 @@ impl Cells<'_> {
                 in_groups: patch.in_groups.clone(),
             });
         }
-        let start = poly.owner.len();
-        for (b, block) in self.mesh.blocks.iter().enumerate() {
-            if !self.topology.sides[b].contains(&Side::Free) {
-                continue;
-            }
-            for at in indices(block) {
-                for s in (0..6).filter(|&s| self.topology.sides[b][s] == Side::Free) {
-                    if neighbour_in_block(block, at, s).is_none() {
-                        self.boundary_face(poly, b, at, s);
-                    }
-                }
-            }
+        if named_default {
+            return;
         }
+        let start = poly.owner.len();
+        self.free_faces(poly);
         let len = poly.owner.len() - start;
-        if len > 0 {
-            let (name, kind) = self.mesh.default_patch.clone();
-            poly.patches.push(PolyPatch { name, kind, start, len, in_groups: Vec::new() });
+        // A nameless axis leaves a patch without faces, which files of fields may mention.
+        let axis = self.topology.sides.iter().flatten().any(|s| *s == Side::Collapsed(false));
+        if len > 0 || axis {
+            let kind = kind.clone();
+            poly.patches.push(PolyPatch {
+                name: name.clone(),
+                kind,
+                start,
+                len,
+                in_groups: vec![],
+            });
         }
     }
 
-    /// Faces of a block side: the higher of its two other directions runs fastest.
+    /// Faces of the sides that belong to no patch.
+    fn free_faces(&self, poly: &mut PolyMesh) {
+        for (b, sides) in self.topology.sides.iter().enumerate() {
+            for s in (0..6).filter(|&s| sides[s] == Side::Free) {
+                self.side_faces(poly, b, s);
+            }
+        }
+    }
+
+    /// Faces of a block side, in the order OpenFOAM's tool numbers them.
     fn side_faces(&self, poly: &mut PolyMesh, b: usize, s: usize) {
         let block = &self.mesh.blocks[b];
         let across = s / 2;
         let [fast, slow] = match across {
-            0 => [2, 1],
+            0 => [1, 2],
             1 => [2, 0],
             _ => [1, 0],
         };

@@ -26,17 +26,16 @@ pub(super) fn reversed(sections: &[Section]) -> Vec<Section> {
 /// Fractions `0 = x[0] < .. < x[n] = 1` of an edge at which its `n` cells meet.
 ///
 /// Within a section of `m` cells the sizes grow by the factor `ratio^(1/(m-1))`. Cells are shared
-/// out to the nearest whole number, the last section takes what remains.
+/// out to the nearest whole numbers; the section with most cells makes up for what is missing.
 pub fn divide(n: usize, sections: &[Section]) -> Vec<f64> {
     let mut x = Vec::with_capacity(n + 1);
     x.push(0.0);
     let total: f64 = sections.iter().map(|s| s.length).sum();
-    let total_cells: f64 = sections.iter().map(|s| s.cells).sum();
+    let shares = shares(n, sections);
     let mut from = 0.0;
     for (i, s) in sections.iter().enumerate() {
         let left = n + 1 - x.len();
-        let share = (s.cells / total_cells * n as f64).round() as usize;
-        let m = if i + 1 == sections.len() { left } else { share.min(left) };
+        let m = if i + 1 == sections.len() { left } else { shares[i].min(left) };
         let length = s.length / total;
         let growth = if m > 1 { s.ratio.powf(1.0 / (m as f64 - 1.0)) } else { 1.0 };
         for j in 1..=m {
@@ -53,6 +52,19 @@ pub fn divide(n: usize, sections: &[Section]) -> Vec<f64> {
         *last = 1.0;
     }
     x
+}
+
+/// Cells of every section.
+fn shares(n: usize, sections: &[Section]) -> Vec<usize> {
+    let total: f64 = sections.iter().map(|s| s.cells).sum();
+    let mut shares: Vec<usize> =
+        sections.iter().map(|s| (s.cells / total * n as f64).round() as usize).collect();
+    let sum: usize = shares.iter().sum();
+    // The first of several largest, hence the reversal: `max_by_key` finds the last.
+    if let Some(largest) = shares.iter_mut().rev().max_by_key(|m| **m) {
+        *largest = (*largest + n).saturating_sub(sum);
+    }
+    shares
 }
 
 #[cfg(test)]
@@ -88,6 +100,10 @@ mod tests {
         let h = sizes(&x);
         assert!((h[2] / h[0] - 4.0).abs() < 1e-12 && (h[9] / h[7] - 0.25).abs() < 1e-12);
         assert!((h[4] / h[3] - 1.0).abs() < 1e-12);
+        // 30.55 + 3.9 + 30.55 of 65 cells round to 66: the first of the largest gives one back.
+        let [a, b, c] = [0.47, 0.06, 0.47].map(|cells| Section { length: 1.0, cells, ratio: 1.0 });
+        assert_eq!(shares(65, &[a, b, c]), [30, 4, 31]);
+        assert_eq!(divide(2, &[a, b, c]).len(), 3);
         let mirror: Vec<f64> = divide(10, &reversed(&s)).iter().rev().map(|t| 1.0 - t).collect();
         assert!(x.iter().zip(&mirror).all(|(a, b)| (a - b).abs() < 1e-15));
     }

@@ -4,7 +4,6 @@
 //! [`PolyMesh`], with points, cells and faces in the order in which OpenFOAM's own tool numbers
 //! them, so that fields and face sets written for the one fit the other.
 
-mod boundary;
 mod curve;
 mod generate;
 mod grading;

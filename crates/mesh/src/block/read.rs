@@ -1,6 +1,6 @@
 //! `blockMeshDict` to [`BlockMesh`].
 
-use super::curve::Curve;
+use super::curve::{Curve, passes};
 use super::grading::Section;
 use super::{Block, BlockMesh, BlockPatch, Edge, FACES};
 use crate::patch_kind::{read_kind, refusal, simple_kind};
@@ -53,10 +53,10 @@ pub fn read(dict: &Dict) -> Result<BlockMesh, Vec<Diag>> {
             mesh.edges.extend(edge);
         }
     }
-    if let Some(list) = r.maybe_list("faces") {
-        if !list.is_empty() {
-            list.error("projected faces are not supported", "here", None);
-        }
+    if let Some(list) = r.maybe_list("faces")
+        && !list.is_empty()
+    {
+        list.error("projected faces are not supported", "here", None);
     }
     if let Some(d) = r.opt_sub("defaultPatch") {
         d.opt_word("name", "defaultFaces").clone_into(&mut mesh.default_patch.0);
@@ -71,7 +71,7 @@ pub fn read(dict: &Dict) -> Result<BlockMesh, Vec<Diag>> {
     }
     r.finish(Severity::Warning);
     if !sink.has_errors() {
-        unused_edges(&mesh, &sink);
+        odd_edges(&mesh, &sink);
         free_sides(&mesh, &sink);
     }
     let found = sink.take();
@@ -102,7 +102,7 @@ fn refuse_unless_empty(r: &Reader<'_>, key: &str) {
         } else {
             "use arc, polyLine or spline edges"
         };
-        r.error_at_key(key, &format!("`{key}` is not supported"), "here", Some(help));
+        r.error_at_key(key, format!("`{key}` is not supported"), "here", Some(help));
     }
 }
 
@@ -176,7 +176,7 @@ fn indices(list: &mut TokenReader<'_>, what: &str) -> Option<Vec<u32>> {
     if found.is_none() {
         list.error_at(
             &at,
-            &format!("expected {what}, vertex numbers in parentheses"),
+            format!("expected {what}, vertex numbers in parentheses"),
             "not a list of vertex numbers",
             None,
         );
@@ -364,8 +364,17 @@ fn read_face(list: &mut TokenReader<'_>, mesh: &BlockMesh) -> Option<([u32; 4], 
     face.map(|f| (f, at))
 }
 
-fn unused_edges(mesh: &BlockMesh, sink: &Sink) {
+fn odd_edges(mesh: &BlockMesh, sink: &Sink) {
     for e in &mesh.edges {
+        let end = |i: usize| mesh.vertices.get(e.ends[i] as usize).copied();
+        if let (Curve::Arc(through), Some(from), Some(to)) = (&e.curve, end(0), end(1))
+            && !passes(from, *through, to)
+        {
+            let d = Diag::warning(&e.span, "this arc does not pass through its point")
+                .label("the point lies beyond the arc's end")
+                .help("give a point between the two vertices");
+            sink.push(d);
+        }
         let on = |b: &Block| {
             super::EDGES.iter().any(|ends| {
                 let [p, q] = ends.map(|v| b.vertices[v]);

@@ -10,8 +10,8 @@ use std::collections::HashMap;
 /// What a block side borders on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Side {
-    /// Fewer than three distinct corners: no faces.
-    Collapsed,
+    /// Fewer than three distinct corners: no faces. Whether a patch names it.
+    Collapsed(bool),
     /// Joint number, seen from its first or second side.
     Joint(usize, usize),
     /// A patch by number.
@@ -66,6 +66,11 @@ impl Walk {
     }
 }
 
+/// Vertices as a dictionary writes them.
+fn listed(side: &[u32; 4]) -> String {
+    format!("({})", side.map(|v| v.to_string()).join(" "))
+}
+
 /// Distinct vertices of a side, sorted.
 fn key(side: &[u32; 4]) -> Vec<u32> {
     let mut k = side.to_vec();
@@ -97,7 +102,7 @@ pub(super) fn connect(mesh: &BlockMesh) -> Result<Topology, Vec<Diag>> {
         for s in 0..6 {
             let k = key(&block.side(s));
             if k.len() < 3 {
-                sides[b][s] = Side::Collapsed;
+                sides[b][s] = Side::Collapsed(false);
                 continue;
             }
             let Some(&(b0, s0)) = seen.get(&k) else {
@@ -107,7 +112,7 @@ pub(super) fn connect(mesh: &BlockMesh) -> Result<Topology, Vec<Diag>> {
             match joint(mesh, (b0, s0), (b, s)) {
                 Err(d) => faults.push(d),
                 Ok(_) if matches!(sides[b0][s0], Side::Joint(..)) => {
-                    let text = format!("a third block uses the side {:?}", block.side(s));
+                    let text = format!("a third block uses the side {}", listed(&block.side(s)));
                     faults.push(
                         Diag::error(&block.span, text).label("two other blocks meet here already"),
                     );
@@ -128,7 +133,14 @@ pub(super) fn connect(mesh: &BlockMesh) -> Result<Topology, Vec<Diag>> {
             }
             let k = key(face);
             if k.len() < 3 {
-                // The axis of a wedge: named by habit, without faces.
+                // The axis of a wedge: it may be named, without faces.
+                for (b, block) in mesh.blocks.iter().enumerate() {
+                    for s in (0..6).filter(|&s| key(&block.side(s)) == k) {
+                        if sides[b][s] == Side::Collapsed(false) {
+                            sides[b][s] = Side::Collapsed(true);
+                        }
+                    }
+                }
                 continue;
             }
             let text = format!("patch `{}`: ", patch.name);
@@ -155,7 +167,7 @@ pub(super) fn connect(mesh: &BlockMesh) -> Result<Topology, Vec<Diag>> {
                     let label = format!("blocks {a} and {b} meet here");
                     faults.push(Diag::error(span, what).label(label));
                 }
-                Side::Collapsed => {}
+                Side::Collapsed(_) => {}
             }
         }
     }
@@ -225,7 +237,7 @@ fn joint(mesh: &BlockMesh, a: (usize, usize), b: (usize, usize)) -> Result<Joint
             "blocks {} and {} meet with different numbers of cells: {} x {} and {} x {}",
             a.0, b.0, na[0], na[1], nb[0], nb[1]
         );
-        let label = format!("its side {vb:?} is the other block's {va:?}");
+        let label = format!("its side {} is the other block's {}", listed(&vb), listed(&va));
         return Err(Diag::error(&block_b.span, text).label(label));
     }
     Ok(Joint { sides: [a, b], corners: [ca, cb] })
@@ -237,8 +249,7 @@ fn near_side(mesh: &BlockMesh, face: &[u32; 4]) -> Option<String> {
         for s in 0..6 {
             let side = block.side(s);
             if face.iter().filter(|v| side.contains(v)).count() == 3 {
-                let [p, q, r, t] = side;
-                return Some(format!("block {b} has the side ({p} {q} {r} {t})"));
+                return Some(format!("block {b} has the side {}", listed(&side)));
             }
         }
     }

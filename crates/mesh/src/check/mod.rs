@@ -33,6 +33,11 @@ pub fn check(poly: &PolyMesh) -> CheckReport {
         let remedy = match e {
             // Already reported with all their places.
             MeshError::Volume { .. } | MeshError::Area { .. } => return report,
+            MeshError::Empty { .. }
+                if report.findings.iter().any(|f| f.message.contains("empty")) =>
+            {
+                return report;
+            }
             MeshError::CyclicPair { .. } | MeshError::CyclicMatch { .. } => {
                 "periodic patches must match face by face, by a translation or a rotation"
             }
@@ -70,7 +75,7 @@ impl Worst {
         if self.count > 0 {
             report.findings.push(Finding {
                 severity,
-                message: what.replace("{n}", &self.count.to_string()),
+                message: format!("{what}: {}", self.count),
                 count: self.count,
                 places: self.places,
                 remedy: remedy.into(),

@@ -89,19 +89,19 @@ fn cells(poly: &PolyMesh, g: &Geometry, ptr: &[u32], links: &[u32], report: &mut
     inverted.report(
         report,
         Severity::Error,
-        "{n} cells have no or negative volume (m3)",
+        "cells of no or negative volume (m3)",
         "the block or its vertices are inside out, or points have crossed over",
     );
     open.report(
         report,
         Severity::Error,
-        "{n} cells are not closed (sum of area vectors relative to the surface)",
+        "cells with an open surface (sum of area vectors relative to the surface)",
         "faces are missing or turn the wrong way: make the mesh again",
     );
     thin.report(
         report,
         Severity::Warning,
-        "{n} cells are very elongated (aspect ratio)",
+        "very elongated cells (aspect ratio)",
         "fewer cells or a weaker grading along the short direction",
     );
 }
@@ -170,35 +170,35 @@ fn faces(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
         }
     }
     q.mean_nonorth_deg = total_angle / n_inner.max(1) as f64;
-    null.report(report, Severity::Error, "{n} faces have no area (m2)", "merge their points");
+    null.report(report, Severity::Error, "faces without area (m2)", "merge their points");
     backward.report(
         report,
         Severity::Error,
-        "{n} faces do not separate the centres of their cells (angle, degrees)",
+        "faces that do not separate the centres of their cells (angle, degrees)",
         "cells overlap or are badly distorted there: smooth or coarsen the mesh",
     );
     steep.report(
         report,
         Severity::Warning,
-        "{n} faces are steeply non-orthogonal (angle, degrees)",
+        "steeply non-orthogonal faces (angle, degrees)",
         "use `limited 0.5` for snGradSchemes and laplacianSchemes, and 1 or 2 nNonOrthogonalCorrectors",
     );
     skewed.report(
         report,
         Severity::Warning,
-        "{n} faces are badly skewed (distance off the line of centres, in face sizes)",
+        "badly skewed faces (distance off the line of centres, in face sizes)",
         "make neighbouring cells more alike; accuracy suffers there",
     );
     jump.report(
         report,
         Severity::Warning,
-        "{n} faces separate cells of very different size (ratio of volumes)",
+        "faces between cells of very different size (ratio of volumes)",
         "a gentler grading: neighbours should not differ by more than 20 %",
     );
     warped.report(
         report,
         Severity::Warning,
-        "{n} faces are warped (departure from their plane, relative to their size)",
+        "warped faces (departure from their plane, relative to their size)",
         "straighten the edges or split the faces",
     );
 }

@@ -55,17 +55,11 @@ pub(super) fn check(
             open.add(at_cell(c, (lonely + double) as f64));
         }
     }
-    few.report(
-        report,
-        Severity::Error,
-        "{n} cells have fewer than 4 faces (their number)",
-        "make the mesh again",
-    );
+    few.report(report, Severity::Error, "cells with fewer than 4 faces", "make the mesh again");
     open.report(
         report,
         Severity::Error,
-        "{n} cells are not closed, or some of their faces turn the wrong way (number of edges \
-         that do not pair up)",
+        "cells that are not closed, or have faces that turn the wrong way (edges that do not pair up)",
         "the points of a face must turn counter-clockwise seen from the neighbour or from outside",
     );
 
@@ -78,12 +72,7 @@ pub(super) fn check(
             repeated.add(at_face(f, n as f64));
         }
     }
-    repeated.report(
-        report,
-        Severity::Error,
-        "{n} faces use a point twice (number of repetitions)",
-        "make the mesh again",
-    );
+    repeated.report(report, Severity::Error, "faces that use a point twice", "make the mesh again");
 
     let mut used = vec![false; poly.points.len()];
     poly.face_points.iter().for_each(|&p| used[p as usize] = true);
@@ -91,7 +80,7 @@ pub(super) fn check(
     for p in (0..used.len()).filter(|&p| !used[p]) {
         unused.add(Place { what: "point", index: p, at: poly.points[p], value: 0.0 });
     }
-    unused.report(report, Severity::Note, "{n} points belong to no face", "they do no harm");
+    unused.report(report, Severity::Note, "points that belong to no face", "they do no harm");
 
     order(poly, report);
     empty_patches(poly, report);
@@ -132,7 +121,7 @@ fn order(poly: &PolyMesh, report: &mut CheckReport) {
 fn empty_patches(poly: &PolyMesh, report: &mut CheckReport) {
     let faces: usize =
         poly.patches.iter().filter(|p| p.kind == PatchKind::Empty).map(|p| p.len).sum();
-    if !faces.is_multiple_of(report.cells) {
+    if !faces.is_multiple_of(2 * report.cells) {
         report.findings.push(Finding::whole(
             Severity::Error,
             format!("{} cells have {faces} faces on empty patches", report.cells),

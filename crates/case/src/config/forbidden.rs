@@ -1,0 +1,69 @@
+//! What OpenFOAM can do and this program cannot: refused by name, never ignored.
+
+use crate::{CaseError, files};
+use granflow_dict::{Dict, Reader, Sink, Value};
+use std::path::Path;
+
+/// Files whose mere content would change the physics.
+const SOURCES: &[(&str, &str)] = &[
+    ("constant/fvOptions", "source terms (fvOptions)"),
+    ("system/fvOptions", "source terms (fvOptions)"),
+    ("constant/fvModels", "source terms (fvModels)"),
+    ("system/fvModels", "source terms (fvModels)"),
+    ("constant/fvConstraints", "constraints (fvConstraints)"),
+    ("system/fvConstraints", "constraints (fvConstraints)"),
+    ("constant/MRFProperties", "rotating frames (MRF)"),
+    ("constant/SRFProperties", "rotating frames (SRF)"),
+];
+
+/// Refuses turbulence, moving meshes and source terms.
+///
+/// # Errors
+/// A file is there and cannot be read.
+pub(super) fn refuse(root: &Path, sink: &Sink) -> Result<(), CaseError> {
+    for file in ["constant/turbulenceProperties", "constant/momentumTransport"] {
+        let Some(dict) = files::dict(root, file, sink)? else { continue };
+        let r = Reader::new(&dict, sink);
+        let kind = r.opt_word("simulationType", "laminar");
+        if kind != "laminar" {
+            r.error_at_key(
+                "simulationType",
+                format!("turbulence models are not supported: `simulationType {kind}`"),
+                "only `laminar`",
+                Some("write `simulationType laminar;`"),
+            );
+        }
+    }
+    if let Some(dict) = files::dict(root, "constant/dynamicMeshDict", sink)? {
+        let r = Reader::new(&dict, sink);
+        let kind = r.opt_word("dynamicFvMesh", "staticFvMesh");
+        if kind != "staticFvMesh" || r.has("mover") || r.has("topoChanger") {
+            let key = if kind == "staticFvMesh" { "mover" } else { "dynamicFvMesh" };
+            r.error_at_key(
+                key,
+                "moving meshes are not supported",
+                "asked for here",
+                Some("remove constant/dynamicMeshDict, or write `dynamicFvMesh staticFvMesh;`"),
+            );
+        }
+    }
+    for (file, what) in SOURCES {
+        let Some(dict) = files::dict(root, file, sink)? else { continue };
+        let r = Reader::new(&dict, sink);
+        let active = |d: &Dict| !matches!(d.word("active"), Some("no" | "off" | "false"));
+        for e in &dict.entries {
+            if let Value::Dict(d) = &e.value
+                && e.key.text() != "FoamFile"
+                && active(d)
+            {
+                r.error_at(
+                    &e.key_span,
+                    format!("{what} are not supported: `{}`", e.key.text()),
+                    "would act on the flow",
+                    Some("remove it or add `active no;`"),
+                );
+            }
+        }
+    }
+    Ok(())
+}

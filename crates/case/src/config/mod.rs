@@ -1,0 +1,100 @@
+//! Everything a case's dictionaries say, checked, as plain data.
+//!
+//! One sink collects the mistakes of all files, so that one run reports them all. Missing files
+//! and entries get the defaults that each submodule documents.
+
+mod control;
+mod forbidden;
+mod schemes;
+mod solution;
+mod transport;
+
+pub use control::{APPLICATIONS, Adjust, Control, StartFrom, WriteControl};
+pub use schemes::{GradientKind, Schemes};
+pub use solution::{LinearSolve, Reference, ReferenceCell, Solution};
+pub use transport::Transport;
+
+use crate::functions::Planned;
+use crate::{CaseError, Notices, files};
+use granflow_base::{Dims, Vec3};
+use granflow_dict::{Dict, Reader, Severity, Sink};
+use std::path::Path;
+
+/// A case's dictionaries as plain data.
+pub struct CaseConfig {
+    /// `system/controlDict`.
+    pub control: Control,
+    /// `system/fvSchemes`.
+    pub schemes: Schemes,
+    /// `system/fvSolution`.
+    pub solution: Solution,
+    /// `constant/transportProperties`.
+    pub transport: Transport,
+    /// `constant/g`, m/s2; with it the pressure is p_rgh.
+    pub gravity: Option<Vec3>,
+    /// `functions` of `controlDict`.
+    pub functions: Vec<Planned>,
+}
+
+impl CaseConfig {
+    /// Reads every dictionary but the mesh's. Mistakes go to the sink; the values are usable only
+    /// when it holds no error.
+    ///
+    /// # Errors
+    /// A file is there and cannot be read.
+    pub fn read(root: &Path, sink: &Sink, notices: &Notices) -> Result<CaseConfig, CaseError> {
+        forbidden::refuse(root, sink)?;
+        let gravity = read_gravity(root, sink)?;
+        let transport = Transport::read(root, sink, notices)?;
+        let control_dict = match files::dict(root, "system/controlDict", sink)? {
+            Some(d) => d,
+            None => {
+                let d = granflow_dict::Diag::file(
+                    root.join("system/controlDict").display().to_string(),
+                    "this file is missing: it says how long to run and what to write",
+                );
+                sink.push(d.help("`granflow new NAME` writes a complete case"));
+                Dict::new()
+            }
+        };
+        let reader = Reader::new(&control_dict, sink);
+        let control = Control::read(&reader, control_dict.entries.is_empty());
+        let functions = crate::functions::read(&reader, gravity.is_some());
+        reader.finish(Severity::Warning);
+        let schemes = match files::dict(root, "system/fvSchemes", sink)? {
+            Some(d) => Schemes::read(&d, sink, notices),
+            None => Schemes::default(),
+        };
+        let solution_dict = files::dict(root, "system/fvSolution", sink)?.unwrap_or_default();
+        let pressure = if gravity.is_some() { "p_rgh" } else { "p" };
+        let solution = Solution::read(
+            &solution_dict,
+            &control.application,
+            pressure,
+            transport.grains.is_some(),
+            sink,
+            notices,
+        );
+        Ok(CaseConfig { control, schemes, solution, transport, gravity, functions })
+    }
+
+    /// The pressure that is solved for: `p_rgh` where gravity acts, else `p`.
+    pub fn pressure(&self) -> &'static str {
+        if self.gravity.is_some() { "p_rgh" } else { "p" }
+    }
+}
+
+/// `constant/g`, a uniformDimensionedVectorField.
+fn read_gravity(root: &Path, sink: &Sink) -> Result<Option<Vec3>, CaseError> {
+    let Some(dict) = files::dict(root, "constant/g", sink)? else { return Ok(None) };
+    let r = Reader::new(&dict, sink);
+    if let Some(d) = r.maybe_dims("dimensions")
+        && d != Dims::ACCELERATION
+    {
+        let message = format!("gravity has the dimensions {}, found {d}", Dims::ACCELERATION);
+        r.error_at_key("dimensions", message, "wrong dimensions", None);
+    }
+    let g = r.vector("value", Dims::ACCELERATION);
+    r.finish(Severity::Warning);
+    Ok(Some(g))
+}

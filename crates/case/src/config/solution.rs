@@ -1,0 +1,309 @@
+//! `system/fvSolution`: linear solvers, corrections, outer iterations, pressure reference.
+//!
+//! Defaults where entries or the file are missing:
+//!
+//! | | granular | else |
+//! |---|---|---|
+//! | nOuterCorrectors | 100 | 1 (PISO) |
+//! | nCorrectors | 2 | 2 |
+//! | solver of U | GAMG, 1e-12 | PBiCGStab with DILU, 1e-10 |
+//! | solver of p | GAMG, 1e-12 | GAMG, 1e-10 |
+//! | solver of fluidity | GAMG, 1e-12 | |
+//! | residualControl U, p, viscosity | 1e-8 | 1e-8 |
+//! | residualControl fluidity | 1e-10 | |
+
+use crate::Notices;
+use granflow_base::{Dims, Vec3};
+use granflow_dict::{Dict, Reader, Severity, Sink, Span, Value, nearest};
+use granflow_flow::ResidualControl;
+use granflow_linsolve::{ALL, SolverSpec, Tolerance, build};
+
+/// A linear solver with its tolerances.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LinearSolve {
+    /// Which solver.
+    pub spec: SolverSpec,
+    /// Tolerance of inner corrections.
+    pub tolerance: Tolerance,
+    /// Tolerance of the last correction (`pFinal`).
+    pub last: Tolerance,
+}
+
+/// Where the pressure level is fixed.
+#[derive(Clone, Debug)]
+pub enum ReferenceCell {
+    /// `pRefCell`, in the user's numbering.
+    Cell(usize),
+    /// The cell around or nearest to `pRefPoint`, m.
+    Point(Vec3),
+}
+
+/// `pRefCell` or `pRefPoint` with `pRefValue`.
+#[derive(Clone, Debug)]
+pub struct Reference {
+    /// Where.
+    pub cell: ReferenceCell,
+    /// The pressure there, in the units of the pressure file.
+    pub value: f64,
+    /// Where it was written.
+    pub span: Span,
+}
+
+/// What `fvSolution` says.
+#[derive(Clone, Debug)]
+pub struct Solution {
+    /// Momentum.
+    pub u: LinearSolve,
+    /// Pressure.
+    pub p: LinearSolve,
+    /// The fluidity equation.
+    pub fluidity: LinearSolve,
+    /// Most outer iterations of a step.
+    pub outer: usize,
+    /// Pressure corrections of an outer iteration.
+    pub correctors: usize,
+    /// Repetitions of a correction for non-orthogonality.
+    pub non_orthogonal_correctors: usize,
+    /// Whether momentum is solved before the pressure.
+    pub predictor: bool,
+    /// When outer iterations stop.
+    pub control: ResidualControl,
+    /// When the Newton iterations of the fluidity stop.
+    pub newton: f64,
+    /// The pressure level where no boundary fixes it.
+    pub reference: Option<Reference>,
+}
+
+/// Entries that choose details of OpenFOAM's own solvers.
+const DETAILS: &[&str] = &[
+    "agglomerator",
+    "nCellsInCoarsestLevel",
+    "mergeLevels",
+    "cacheAgglomeration",
+    "nPreSweeps",
+    "nPostSweeps",
+    "nFinestSweeps",
+    "nSweeps",
+    "directSolveCoarsest",
+    "scaleCorrection",
+    "interpolateCorrection",
+    "processorAgglomerator",
+    "coarsestLevelCorr",
+    "nVcycles",
+    "minIter",
+    "log",
+];
+
+/// Unknowns that other solvers have and their cases may carry along.
+const OTHERS: &[&str] = &[
+    "pcorr", "pcorrFinal", "Phi", "k", "epsilon", "omega", "nuTilda", "T", "h", "e", "cellDisplacement",
+];
+
+impl Solution {
+    /// Reads the dictionary (empty when the file is missing); mistakes go to the sink.
+    pub(super) fn read(
+        dict: &Dict,
+        application: &str,
+        pressure: &str,
+        granular: bool,
+        sink: &Sink,
+        notices: &Notices,
+    ) -> Solution {
+        let r = Reader::new(dict, sink);
+        let tight = if granular { 1e-12 } else { 1e-10 };
+        let default_u = if granular { ("GAMG", None) } else { ("PBiCGStab", Some("DILU")) };
+        let (mut u, mut p, mut fluidity) = (
+            LinearSolve::default_of(default_u, tight),
+            LinearSolve::default_of(("GAMG", None), tight),
+            LinearSolve::default_of(("GAMG", None), 1e-12),
+        );
+        if let Some(solvers) = r.opt_sub("solvers") {
+            u = LinearSolve::read(&solvers, "U", u, notices);
+            let name = if solvers.has(pressure) { pressure } else { "p" };
+            p = LinearSolve::read(&solvers, name, p, notices);
+            fluidity = LinearSolve::read(&solvers, "fluidity", fluidity, notices);
+            for other in OTHERS {
+                solvers.ignore(other);
+            }
+            for key in solvers.keys().into_iter().filter(|k| k.starts_with("alpha")) {
+                solvers.ignore(key);
+            }
+            for other in ["p", "pFinal", "p_rgh", "p_rghFinal", "alpha.water"] {
+                solvers.ignore(other);
+            }
+        }
+        let mut out = Solution {
+            u,
+            p,
+            fluidity,
+            outer: if granular { 100 } else { 1 },
+            correctors: 2,
+            non_orthogonal_correctors: 0,
+            predictor: true,
+            control: ResidualControl::default(),
+            newton: 1e-10,
+            reference: None,
+        };
+        let order: [&str; 3] = match application {
+            "icoFoam" | "pisoFoam" | "nonNewtonianIcoFoam" => ["PISO", "PIMPLE", "SIMPLE"],
+            _ => ["PIMPLE", "PISO", "SIMPLE"],
+        };
+        let chosen = order.into_iter().find(|k| r.has(k));
+        for name in order {
+            if Some(name) == chosen {
+                if let Some(sub) = r.opt_sub(name) {
+                    out.algorithm(&sub, name, pressure);
+                }
+            } else if let Some(sub) = r.entry(name).and_then(|_| r.opt_sub(name)) {
+                sub.ignore_all();
+            }
+        }
+        if let Some(relax) = r.entry("relaxationFactors").and_then(|_| r.opt_sub("relaxationFactors")) {
+            relax.ignore_all();
+            if !relax.keys().is_empty() {
+                notices.say("fvSolution: relaxationFactors are not used: no relaxation is needed");
+            }
+        }
+        if let Some(sub) = r.entry("potentialFlow").and_then(|_| r.opt_sub("potentialFlow")) {
+            sub.ignore_all();
+        }
+        r.ignore("cache");
+        r.finish(Severity::Warning);
+        out
+    }
+
+    fn algorithm(&mut self, r: &Reader<'_>, name: &str, pressure: &str) {
+        let count = |key: &str, default: usize, least: i64| {
+            r.opt_label_in(key, least..=i64::from(i32::MAX), default as i64) as usize
+        };
+        if name == "PISO" {
+            r.ignore("nOuterCorrectors");
+        }
+        self.outer = count("nOuterCorrectors", self.outer, 1);
+        self.correctors = count("nCorrectors", self.correctors, 1);
+        self.non_orthogonal_correctors = count("nNonOrthogonalCorrectors", 0, 0);
+        self.predictor = r.opt_switch("momentumPredictor", true);
+        self.read_reference(r);
+        for other in ["consistent", "transonic", "turbOnFinalIterOnly", "frozenFlow", "nAlphaCorr",
+            "nAlphaSubCycles", "cAlpha", "correctPhi", "moveMeshOuterCorrectors", "pMin", "pMax"]
+        {
+            r.ignore(other);
+        }
+        for key in ["residualControl", "outerCorrectorResidualControl"] {
+            let Some(sub) = r.opt_sub(key) else { continue };
+            let c = &mut self.control;
+            c.u = tolerance(&sub, "U").unwrap_or(c.u);
+            c.p = tolerance(&sub, pressure).or_else(|| tolerance(&sub, "p")).unwrap_or(c.p);
+            c.viscosity = tolerance(&sub, "viscosity").unwrap_or(c.viscosity);
+            self.newton = tolerance(&sub, "fluidity").unwrap_or(self.newton);
+        }
+    }
+
+    fn read_reference(&mut self, r: &Reader<'_>) {
+        let value = r.maybe_scalar("pRefValue", Dims::NONE);
+        let cell = r.entry("pRefCell").map(|_| r.label_in("pRefCell", 0..=i64::from(i32::MAX)));
+        let point = r.maybe_vector("pRefPoint", Dims::LENGTH);
+        let (cell, key) = match (point, cell) {
+            (Some(p), _) => (ReferenceCell::Point(p), "pRefPoint"),
+            (None, Some(c)) => (ReferenceCell::Cell(c as usize), "pRefCell"),
+            (None, None) if value.is_some() => (ReferenceCell::Cell(0), "pRefValue"),
+            (None, None) => return,
+        };
+        let span = r.value_span(key);
+        self.reference = Some(Reference { cell, value: value.unwrap_or(0.0), span });
+    }
+}
+
+/// `key 1e-6;` or `key { tolerance 1e-6; relTol 0; }`.
+fn tolerance(r: &Reader<'_>, key: &str) -> Option<f64> {
+    match &r.entry(key)?.value {
+        Value::Stream(_) => Some(r.positive(key, Dims::NONE)),
+        Value::Dict(_) => {
+            let sub = r.opt_sub(key)?;
+            sub.ignore("relTol");
+            Some(sub.positive("tolerance", Dims::NONE))
+        }
+    }
+}
+
+impl LinearSolve {
+    fn default_of((solver, preconditioner): (&str, Option<&str>), abs: f64) -> LinearSolve {
+        let spec = SolverSpec {
+            solver: solver.into(),
+            preconditioner: preconditioner.map(Into::into),
+            smoother: None,
+        };
+        let tolerance = Tolerance { abs, rel: 0.0, max_iter: 1000 };
+        LinearSolve { spec, tolerance, last: tolerance }
+    }
+
+    /// `name` and `nameFinal` of `solvers`.
+    fn read(solvers: &Reader<'_>, name: &str, default: LinearSolve, notices: &Notices) -> Self {
+        let final_name = format!("{name}Final");
+        let Some(r) = solvers.opt_sub(name) else {
+            solvers.ignore(&final_name);
+            return default;
+        };
+        let spec = solver_spec(&r, notices);
+        let tolerance = read_tolerance(&r, default.tolerance);
+        let last = match solvers.opt_sub(&final_name) {
+            Some(f) => {
+                // One solver serves all corrections; its words are checked all the same.
+                solver_spec(&f, notices);
+                read_tolerance(&f, Tolerance { rel: 0.0, ..tolerance })
+            }
+            None => Tolerance { rel: 0.0, ..tolerance },
+        };
+        LinearSolve { spec, tolerance, last }
+    }
+}
+
+fn read_tolerance(r: &Reader<'_>, default: Tolerance) -> Tolerance {
+    Tolerance {
+        abs: r.opt_non_negative("tolerance", Dims::NONE, default.abs),
+        rel: r.opt_in_range("relTol", Dims::NONE, 0.0..=1.0, default.rel),
+        max_iter: r.opt_label_in("maxIter", 1..=i64::from(i32::MAX), default.max_iter as i64) as usize,
+    }
+}
+
+fn solver_spec(r: &Reader<'_>, notices: &Notices) -> SolverSpec {
+    for detail in DETAILS {
+        r.ignore(detail);
+    }
+    let solver = r.word("solver").to_owned();
+    let preconditioner = match r.entry("preconditioner").map(|e| &e.value) {
+        // `preconditioner { preconditioner GAMG; tolerance ..; }`
+        Some(Value::Dict(_)) => r.opt_sub("preconditioner").map(|s| {
+            s.ignore_all();
+            s.word("preconditioner").to_owned()
+        }),
+        Some(Value::Stream(_)) => r.maybe_word("preconditioner").map(str::to_owned),
+        None => None,
+    };
+    let smoother = r.maybe_word("smoother").map(str::to_owned);
+    let mut spec = SolverSpec { solver, preconditioner, smoother };
+    if spec.solver == "GAMG" {
+        // It brings its own; the words are accepted whatever they are.
+        spec.preconditioner = None;
+        spec.smoother = None;
+    }
+    if let Err(unknown) = build::<f64>(&spec)
+        && !unknown.word.is_empty()
+    {
+        let key = unknown.kind.to_string();
+        let near = nearest(&unknown.word, unknown.known());
+        let near = near.map_or(String::new(), |n| format!("did you mean `{n}`? "));
+        let known: Vec<&str> = unknown.known().collect();
+        let help = format!("{near}known are {}", known.join(", "));
+        let message = format!("unknown {key} `{}`", unknown.word);
+        r.error_at_key(&key, message, "not known", Some(&help));
+    }
+    let words = [Some(&spec.solver), spec.preconditioner.as_ref(), spec.smoother.as_ref()];
+    for word in words.into_iter().flatten() {
+        let entry = ALL.iter().find(|e| e.name == word && e.mapped_onto.is_some());
+        if let Some((name, onto)) = entry.and_then(|e| Some((e.name, e.mapped_onto?))) {
+            notices.say(format!("fvSolution: `{name}` is served by `{onto}`"));
+        }
+    }
+    spec
+}

@@ -1,0 +1,141 @@
+//! `constant/transportProperties`: what flows.
+
+use crate::{CaseError, Notices, files};
+use granflow_base::Dims;
+use granflow_dict::{Diag, Dict, Entry, Reader, Severity, Sink, Value};
+use granflow_linsolve::{SolverSpec, Tolerance, build};
+use granflow_mesh::{Mesh, shapes};
+use granflow_par::Exec;
+use granflow_physics::rheology::{self, FluidContext, Granular, NgfNumerics, Rheology};
+use std::path::Path;
+
+/// What `transportProperties` says.
+#[derive(Clone, Debug)]
+pub struct Transport {
+    /// Density, kg/m3; 1 for a Newtonian or generalised Newtonian fluid that does not give it.
+    pub rho: f64,
+    /// `transportModel`.
+    pub model: String,
+    /// The grains, when it is a granular model.
+    pub grains: Option<Granular>,
+    /// Whether the model has a fluidity of its own.
+    pub has_fluidity: bool,
+    /// Whether the viscosity never changes.
+    pub is_constant: bool,
+    dict: Dict,
+}
+
+/// Models whose density must be given: their stress is written in Pa.
+const GRANULAR: &[&str] = &["muI", "muIRegularised", "NGF"];
+
+impl Transport {
+    /// Reads the file; mistakes go to the sink.
+    pub(super) fn read(
+        root: &Path,
+        sink: &Sink,
+        notices: &Notices,
+    ) -> Result<Transport, CaseError> {
+        let file = "constant/transportProperties";
+        let found = match files::dict(root, file, sink)? {
+            Some(d) => Some(d),
+            None => files::dict(root, "constant/physicalProperties", sink)?,
+        };
+        let Some(mut dict) = found else {
+            let d = Diag::file(root.join(file).display().to_string(), "this file is missing");
+            sink.push(d.help(
+                "it names the rheology: `transportModel Newtonian; nu 1e-6;` (`granflow list \
+                 rheologies`)",
+            ));
+            return Ok(Transport::water());
+        };
+        if dict.find("phases").is_some() {
+            let r = Reader::new(&dict, sink);
+            r.error_at(
+                &r.key_span("phases"),
+                "flow of two phases is not supported yet",
+                "two phases",
+                Some("put the entries of one phase at the top level, without `phases`"),
+            );
+            return Ok(Transport::water());
+        }
+        if let Some(e) = dict.remove("viscosityModel")
+            && dict.find("transportModel").is_none()
+        {
+            // What newer versions call the same entry, and the constant model in it.
+            let value = if is_word(&e, "constant") { "Newtonian".into() } else { e.value };
+            dict.set("transportModel", value);
+        }
+        if dict.find("transportModel").is_none() && dict.find("nu").is_some() {
+            dict.set("transportModel", "Newtonian");
+            notices.say("transportProperties: no transportModel, so the viscosity is `nu`");
+        }
+        Ok(Transport::checked(dict, sink))
+    }
+
+    /// Reads everything once, on a mesh of one cell: every mistake shows whatever the mesh is.
+    fn checked(dict: Dict, sink: &Sink) -> Transport {
+        let mut out = Transport { dict, ..Transport::water() };
+        let r = Reader::new(&out.dict, sink);
+        out.model = r.raw("transportModel").and_then(|t| t.first()?.word()).unwrap_or("").to_owned();
+        let granular = GRANULAR.contains(&out.model.as_str());
+        out.rho = match granular {
+            true => r.positive("rho", Dims::DENSITY),
+            false => r.opt_positive("rho", Dims::DENSITY, 1.0),
+        };
+        let coeffs = format!("{}Coeffs", out.model);
+        if r.has(&coeffs) {
+            // OpenFOAM's tutorials carry a `nu` that the model in use does not read.
+            r.ignore("nu");
+        }
+        let exec = Exec::serial();
+        if let Ok(mesh) = Mesh::new(&shapes::unit_box([1, 1, 1]))
+            && let Some(numerics) = any_numerics()
+        {
+            let context = FluidContext {
+                density: out.rho,
+                exec: &exec,
+                mesh: &mesh,
+                fluidity_conditions: Vec::new(),
+                numerics,
+            };
+            let rheology = rheology::read(&r, context);
+            out.has_fluidity = rheology.field().is_some();
+            out.is_constant = rheology.is_constant();
+            out.grains = rheology.grains();
+        }
+        r.finish(Severity::Error);
+        if granular && out.grains.is_none() {
+            let again = Reader::new(&out.dict, &Sink::new());
+            let coeffs = again.opt_sub(&coeffs).unwrap_or(again);
+            out.grains = Some(Granular::read(&coeffs));
+        }
+        out
+    }
+
+    fn water() -> Transport {
+        Transport {
+            rho: 1.0,
+            model: "Newtonian".into(),
+            grains: None,
+            has_fluidity: false,
+            is_constant: true,
+            dict: Dict::new(),
+        }
+    }
+
+    /// The rheology on a mesh. The dictionary was checked before: nothing is reported again.
+    pub fn rheology(&self, context: FluidContext<'_>) -> Box<dyn Rheology> {
+        let silent = Sink::new();
+        rheology::read(&Reader::new(&self.dict, &silent), context)
+    }
+}
+
+fn is_word(e: &Entry, word: &str) -> bool {
+    matches!(&e.value, Value::Stream(t) if t.first().and_then(|t| t.word()) == Some(word))
+}
+
+fn any_numerics() -> Option<NgfNumerics> {
+    let spec = SolverSpec { solver: "PBiCGStab".into(), ..SolverSpec::default() };
+    let solver = build(&spec).ok()?;
+    Some(NgfNumerics { solver, tolerance: Tolerance::default(), residual: 1e-10 })
+}

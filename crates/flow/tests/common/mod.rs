@@ -1,0 +1,156 @@
+//! Flows built by hand: meshes, materials and numerics for the tests of this crate.
+#![allow(dead_code)]
+
+use granflow_base::{Dims, Vec3};
+use granflow_flow::*;
+use granflow_fv::conditions::{FixedValue, OfPatchType, PrghPressure, Slip, ZeroGradient};
+use granflow_fv::{Condition, Convection, FaceField, Gradient, Unknown};
+use granflow_linsolve::{LinearSolver, SolverSpec, Tolerance, build};
+use granflow_mesh::{Mesh, PatchKind, PolyMesh};
+use granflow_par::Exec;
+use granflow_physics::rheology::{Form, Granular, Law, Local, Ngf, NgfNumerics, Rheology};
+use std::sync::Arc;
+
+pub const BEADS: Granular =
+    Granular { mu_s: 0.3819, mu_2: 0.6435, i0: 0.279, d: 0.75e-3, rho_s: 2450.0 };
+pub const A: f64 = 0.48;
+pub const RHO_B: f64 = 0.62 * 2450.0;
+
+pub fn solver<T: granflow_base::Value>(name: &str, precond: &str) -> Box<dyn LinearSolver<T>> {
+    let spec = SolverSpec {
+        solver: name.into(),
+        preconditioner: Some(precond.into()),
+        smoother: None,
+    };
+    build(&spec).expect("a known solver")
+}
+
+pub fn tight() -> Tolerance {
+    Tolerance { abs: 1e-14, rel: 1e-13, max_iter: 1000 }
+}
+
+pub fn numerics(outer: usize, correctors: usize) -> Numerics {
+    Numerics {
+        ddt: TimeScheme::Euler,
+        convection: Convection::Upwind,
+        gradient: Gradient::GaussLinear,
+        non_orthogonal: 1.0,
+        outer,
+        correctors,
+        non_orthogonal_correctors: 0,
+        predictor: true,
+        control: ResidualControl::default(),
+        u: Solve { solver: solver("PBiCGStab", "DILU"), tolerance: tight(), last: tight() },
+        p: Solve { solver: solver("PCG", "DIC"), tolerance: tight(), last: tight() },
+        reference: Some((0, 0.0)),
+        reference_value: 0.0,
+    }
+}
+
+pub fn ngf(exec: &Exec, mesh: &Mesh, grains: Granular, form: Form) -> Box<dyn Rheology> {
+    let numerics = NgfNumerics {
+        solver: solver("PBiCGStab", "DILU"),
+        tolerance: Tolerance { abs: 1e-12, rel: 1e-10, max_iter: 500 },
+        residual: 1e-10,
+    };
+    Box::new(Ngf::new(Law { grains, a: A, form }, exec, mesh, Vec::new(), numerics))
+}
+
+/// The condition that the patch kind dictates, else `given`.
+pub fn on_patch<T: granflow_base::Value>(
+    kind: &PatchKind,
+    given: Box<dyn Condition<T>>,
+) -> Box<dyn Condition<T>> {
+    match kind {
+        PatchKind::Wedge => Box::new(OfPatchType { kind: "wedge", symmetric: false }),
+        PatchKind::Cyclic { .. } => Box::new(OfPatchType { kind: "cyclic", symmetric: false }),
+        PatchKind::Empty => Box::new(OfPatchType { kind: "empty", symmetric: false }),
+        _ => given,
+    }
+}
+
+pub struct Setup {
+    pub exec: Exec,
+    pub mesh: Arc<Mesh>,
+    pub gravity: Gravity,
+    pub rho: f64,
+    pub u0: Vec<Vec3>,
+    pub p0: f64,
+    pub numerics: Numerics,
+}
+
+impl Setup {
+    pub fn new(poly: &PolyMesh, numerics: Numerics) -> Self {
+        let mesh = Arc::new(Mesh::new(poly).expect("a sound mesh"));
+        Setup {
+            exec: Exec::serial(),
+            u0: vec![[0.0; 3]; mesh.n_cells],
+            mesh,
+            gravity: Gravity::default(),
+            rho: RHO_B,
+            p0: 0.0,
+            numerics,
+        }
+    }
+    /// `u` and `p` give the condition of each patch by name.
+    pub fn flow(
+        self,
+        rheology: Box<dyn Rheology>,
+        u: impl Fn(&str) -> Box<dyn Condition<Vec3>>,
+        p: impl Fn(&str) -> Box<dyn Condition<f64>>,
+    ) -> Flow {
+        let m = self.mesh.clone();
+        let u_conditions = m.patches.iter().map(|q| on_patch(&q.kind, u(&q.name))).collect();
+        let p_conditions = m.patches.iter().map(|q| on_patch(&q.kind, p(&q.name))).collect();
+        let mut u = Unknown::new(&m, "U", Dims::VELOCITY, [0.0; 3], u_conditions);
+        u.cells.data[..m.n_cells].copy_from_slice(&self.u0);
+        let p = Unknown::new(&m, "p", Dims::PRESSURE, self.p0, p_conditions);
+        let state = State {
+            time: 0.0,
+            step: 0,
+            u_old: u.cells.data.clone(),
+            u,
+            dt_old: 0.0,
+            p,
+            phi: FaceField::new(&m, "phi", Dims::VOLUME_FLUX, 0.0),
+        };
+        let fluid = Fluid { rho: self.rho, rheology };
+        Flow::new(self.exec, m, state, fluid, self.gravity, self.numerics)
+    }
+}
+
+pub fn fixed<T: granflow_base::Value>(v: T) -> Box<dyn Condition<T>> {
+    Box::new(FixedValue::uniform(v))
+}
+pub fn free<T: granflow_base::Value>() -> Box<dyn Condition<T>> {
+    Box::new(ZeroGradient)
+}
+pub fn slip() -> Box<dyn Condition<Vec3>> {
+    Box::new(Slip)
+}
+pub fn pressure(p: f64) -> Box<dyn Condition<f64>> {
+    Box::new(PrghPressure::new(vec![p]))
+}
+pub fn local<L: granflow_physics::LocalLaw + 'static>(law: L) -> Box<dyn Rheology> {
+    Box::new(Local(Box::new(law)))
+}
+
+/// Columns of a reference file of `cases/`, rows of numbers, `#` comments and header skipped.
+pub fn reference(path: &str) -> Vec<Vec<f64>> {
+    let full = format!("{}/../../cases/{path}", env!("CARGO_MANIFEST_DIR"));
+    let text = std::fs::read_to_string(&full).unwrap_or_else(|e| panic!("{full}: {e}"));
+    let row = |l: &str| l.split(',').map(|x| x.parse().ok()).collect::<Option<Vec<f64>>>();
+    text.lines().filter_map(row).collect()
+}
+
+/// Cubic interpolation of `(x, y)` rows at `at` (local Lagrange).
+pub fn interpolate(rows: &[Vec<f64>], x: usize, y: usize, at: f64) -> f64 {
+    let k = rows.partition_point(|r| r[x] < at).clamp(2, rows.len() - 2);
+    let p = &rows[k - 2..k + 2];
+    (0..4)
+        .map(|i| {
+            let others = (0..4).filter(|&j| j != i);
+            p[i][y] * others.map(|j| (at - p[j][x]) / (p[i][x] - p[j][x])).product::<f64>()
+        })
+        .sum()
+}

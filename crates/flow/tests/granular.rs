@@ -1,0 +1,100 @@
+//! The nonlocal rheology against the independent reference profiles (model.md section 6).
+
+mod common;
+use common::*;
+use granflow_flow::{Flow, Report};
+use granflow_fv::conditions::{Condition, RotatingWall, TimeTable};
+use granflow_mesh::shapes;
+use granflow_physics::rheology::Form;
+
+const RI: f64 = 0.051;
+const RO: f64 = 0.063;
+
+fn annular(nr: usize, v: f64, p: f64, form: Form, u0: impl Fn(f64) -> f64, outer: usize) -> Flow {
+    let poly = shapes::wedge_ring(RI, RO, 0.01, nr, 1, 0.5f64.to_radians());
+    let mut s = Setup::new(&poly, numerics(outer, 1));
+    s.p0 = p;
+    for c in 0..s.mesh.n_cells {
+        s.u0[c] = [0.0, u0(s.mesh.cell_centre[c][0]), 0.0];
+    }
+    let rheology = ngf(&s.exec, &s.mesh, BEADS, form);
+    let wall = |v: f64, r: f64| -> Box<dyn Condition<[f64; 3]>> {
+        let omega = TimeTable::constant(v / r);
+        Box::new(RotatingWall { origin: [0.0; 3], axis: [0.0, 0.0, 1.0], omega })
+    };
+    s.flow(
+        rheology,
+        |patch| match patch {
+            "inner" => wall(v, RI),
+            "outer" => wall(0.0, RO),
+            _ => slip(),
+        },
+        |patch| if patch == "outer" { fixed(p) } else { free() },
+    )
+}
+
+/// Greatest error of V/V_wall against the reference.
+fn error(flow: &Flow, rows: &[Vec<f64>], v: f64) -> f64 {
+    let m = &flow.mesh;
+    (0..m.n_cells)
+        .map(|c| {
+            let s = (m.cell_centre[c][0] - RI) / BEADS.d;
+            (flow.state.u.cells.data[c][1] / v - interpolate(rows, 0, 5, s)).abs()
+        })
+        .fold(0.0, f64::max)
+}
+
+/// Friction coefficient of the inner wall, from the momentum it receives.
+fn mu_w(flow: &mut Flow, v: f64, p: f64) -> f64 {
+    let m = flow.mesh.clone();
+    let patch = m.patches.iter().find(|q| q.name == "inner").expect("inner").clone();
+    let u: Vec<f64> = flow.state.u.cells.data.iter().map(|u| u[1]).collect();
+    let eta = flow.derived().expect("viscosity").viscosity_f.to_vec();
+    let f = patch.faces.start;
+    let c = m.owner[f] as usize;
+    // Wall traction as momentum sees it: compact gradient plus transpose part.
+    eta[f] * ((v - u[c]) * m.inv_dist[f] + u[c] / m.cell_centre[c][0]) / p
+}
+
+fn run(flow: &mut Flow, dt: f64, steps: usize) -> Report {
+    let mut last = Report::default();
+    for _ in 0..steps {
+        last = flow.step(dt).expect("a step");
+    }
+    last
+}
+
+#[test]
+fn annular_cell_meets_the_reference() {
+    let rows = reference("annular_shear_cell/reference/annular_steady_neumann_I1e-03.csv");
+    let p = 1000.0;
+    let v = 2.9256998922e-3 * (p / BEADS.rho_s).sqrt();
+    let mut errors = Vec::new();
+    for (nr, most, most_mu) in [(64, 4e-4, 3e-4), (128, 1.2e-4, 1e-4)] {
+        let mut flow = annular(nr, v, p, Form::Steady, |_| 0.0, 60);
+        let report = run(&mut flow, 1e6, 2);
+        let e = error(&flow, &rows, v);
+        let e_mu = (mu_w(&mut flow, v, p) - 0.393784418729).abs();
+        println!("{nr}: V {e:.2e} mu_w {e_mu:.2e} {report:?}");
+        assert!(report.converged);
+        assert!(e <= most && e_mu <= most_mu, "{nr} cells: V {e:.2e}, mu_w {e_mu:.2e}");
+        errors.push(e);
+    }
+    assert!(errors[0] / errors[1] > 3.0, "second order: {errors:?}");
+}
+
+#[test]
+fn annular_cell_primitive_form() {
+    let rows = reference("annular_primitive/reference/annular_primitive_I1e-03.csv");
+    let p = 1000.0;
+    let v = 3.7378077056e-3 * (p / BEADS.rho_s).sqrt();
+    for (nr, most, most_mu) in [(64, 4e-4, 3e-4), (128, 1.2e-4, 1e-4)] {
+        let mut flow = annular(nr, v, p, Form::Primitive { t0: 1e-3 }, |_| 0.0, 60);
+        let report = run(&mut flow, 1e6, 3);
+        let e = error(&flow, &rows, v);
+        let e_mu = (mu_w(&mut flow, v, p) - 0.413345738718).abs();
+        println!("{nr}: V {e:.2e} mu_w {e_mu:.2e} {report:?}");
+        assert!(report.converged);
+        assert!(e <= most && e_mu <= most_mu, "{nr} cells: V {e:.2e}, mu_w {e_mu:.2e}");
+    }
+}

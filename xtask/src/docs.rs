@@ -1,0 +1,291 @@
+//! The book's reference: one page per entry of every registry, written from what
+//! `granflow list --json KIND` says and from `book/examples/KIND/NAME.txt`.
+
+use crate::{links, run};
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A registry as `granflow list` names it, the title of its chapter, and what a user writes to
+/// choose an entry (where one line says it).
+struct Kind {
+    name: &'static str,
+    title: &'static str,
+    intro: &'static str,
+    choose: fn(&str) -> Option<String>,
+}
+
+const KINDS: &[Kind] = &[
+    Kind {
+        name: "rheologies",
+        title: "Rheologies",
+        intro: "Values of `transportModel` in `constant/transportProperties`.",
+        choose: |name| Some(format!("transportModel  {name};")),
+    },
+    Kind {
+        name: "conditions",
+        title: "Boundary conditions",
+        intro: "Values of `type` in the `boundaryField` of a field file. Patches of a coupled or \
+                constrained kind (cyclic, wedge, empty, symmetry, symmetryPlane) take the \
+                condition of that name.",
+        choose: |name| Some(format!("type  {name};")),
+    },
+    Kind {
+        name: "schemes",
+        title: "Schemes",
+        intro: "Words of `system/fvSchemes`.",
+        choose: |_| None,
+    },
+    Kind {
+        name: "solvers",
+        title: "Linear solvers",
+        intro: "Values of `solver`, `preconditioner` and `smoother` in `system/fvSolution`.",
+        choose: |_| None,
+    },
+    Kind {
+        name: "functions",
+        title: "Functions",
+        intro: "Values of `type` in the `functions` of `system/controlDict`.",
+        choose: |name| Some(format!("type  {name};")),
+    },
+    Kind {
+        name: "cases",
+        title: "Cases",
+        intro: "Cases that come with the program.",
+        choose: |name| Some(format!("granflow new {name}\ngranflow run {name}")),
+    },
+];
+
+/// The heading of `SUMMARY.md` below which everything is generated.
+const GENERATED_PART: &str = "# Reference";
+
+pub(crate) fn task(args: &[String]) -> Result<bool, String> {
+    let (mut check, mut granflow) = (false, None);
+    let mut args = args.iter();
+    while let Some(arg) = args.next() {
+        match arg.as_str() {
+            "--check" => check = true,
+            "--granflow" => granflow = Some(PathBuf::from(args.next().ok_or("--granflow PATH")?)),
+            other => return Err(format!("`docs` knows --check and --granflow, found `{other}`")),
+        }
+    }
+    let granflow = granflow.map_or_else(|| run::build_granflow("test"), Ok)?;
+    if !check {
+        write(&granflow)?;
+    }
+    let mut faults = faults(&granflow)?;
+    faults.extend(links::faults(&run::root()));
+    faults.iter().for_each(|f| println!("{f}"));
+    Ok(faults.is_empty())
+}
+
+/// Pages that are missing, stale or surplus.
+pub(crate) fn faults(granflow: &Path) -> Result<Vec<String>, String> {
+    let root = run::root();
+    let pages = pages(granflow, &root)?;
+    let mut faults = Vec::new();
+    for (path, text) in &pages {
+        let shown = path.strip_prefix(&root).unwrap_or(path).display();
+        match fs::read_to_string(path) {
+            Ok(found) if found == *text => (),
+            Ok(_) => faults.push(format!("{shown} is stale: run `cargo xtask docs`")),
+            Err(_) => faults.push(format!("{shown} is missing: run `cargo xtask docs`")),
+        }
+    }
+    for path in surplus(&root, &pages) {
+        let shown = path.strip_prefix(&root).unwrap_or(&path).display();
+        faults.push(format!("{shown} describes nothing that exists: run `cargo xtask docs`"));
+    }
+    Ok(faults)
+}
+
+fn write(granflow: &Path) -> Result<(), String> {
+    let root = run::root();
+    let pages = pages(granflow, &root)?;
+    let failed = |path: &Path, e: std::io::Error| format!("{}: {e}", path.display());
+    let mut written = 0;
+    for (path, text) in &pages {
+        if fs::read_to_string(path).is_ok_and(|found| found == *text) {
+            continue;
+        }
+        if let Some(dir) = path.parent() {
+            fs::create_dir_all(dir).map_err(|e| failed(dir, e))?;
+        }
+        fs::write(path, text).map_err(|e| failed(path, e))?;
+        written += 1;
+    }
+    for path in surplus(&root, &pages) {
+        fs::remove_file(&path).map_err(|e| failed(&path, e))?;
+        written += 1;
+    }
+    println!("{} pages, {written} of them changed", pages.len());
+    Ok(())
+}
+
+/// Files among the generated ones that no registry asks for.
+fn surplus(root: &Path, pages: &BTreeMap<PathBuf, String>) -> Vec<PathBuf> {
+    let found = run::files_below(&root.join("book/src/reference"), ".md");
+    found.into_iter().filter(|p| !pages.contains_key(p)).collect()
+}
+
+/// Every generated page, by path.
+fn pages(granflow: &Path, root: &Path) -> Result<BTreeMap<PathBuf, String>, String> {
+    let mut pages = BTreeMap::new();
+    let mut contents = String::new();
+    for kind in KINDS {
+        let entries = entries(kind, granflow)?;
+        let dir = root.join("book/src/reference").join(kind.name);
+        contents += &format!("- [{}](reference/{}/index.md)\n", kind.title, kind.name);
+        for (name, entries) in &entries {
+            contents += &format!("  - [{name}](reference/{}/{name}.md)\n", kind.name);
+            let example = root.join("book/examples").join(kind.name).join(format!("{name}.txt"));
+            let example = fs::read_to_string(example).ok().or_else(|| (kind.choose)(name));
+            pages.insert(dir.join(format!("{name}.md")), page(name, entries, example.as_deref()));
+        }
+        pages.insert(dir.join("index.md"), index(kind, &entries));
+    }
+    let summary = root.join("book/src/SUMMARY.md");
+    let text = fs::read_to_string(&summary).map_err(|e| format!("{}: {e}", summary.display()))?;
+    let kept = text.split(GENERATED_PART).next().unwrap_or_default();
+    pages.insert(summary, format!("{kept}{GENERATED_PART}\n\n{contents}"));
+    Ok(pages)
+}
+
+/// Entries of one registry by name; a name may stand for several things (solver, preconditioner).
+type Entries = Vec<(String, Vec<Value>)>;
+
+fn entries(kind: &Kind, granflow: &Path) -> Result<Entries, String> {
+    let output = Command::new(granflow).args(["list", "--json", kind.name]).output();
+    let output = output.map_err(|e| format!("{}: {e}", granflow.display()))?;
+    let said = |what: &str| format!("`granflow list --json {}` {what}", kind.name);
+    if !output.status.success() {
+        return Err(said(&format!("failed: {}", String::from_utf8_lossy(&output.stderr).trim())));
+    }
+    let json: Value =
+        serde_json::from_slice(&output.stdout).map_err(|e| said(&format!("is no JSON: {e}")))?;
+    let list = json.as_array().ok_or_else(|| said("is no array"))?;
+    let mut entries = Entries::new();
+    for entry in list {
+        let text = |key: &str| entry[key].as_str().filter(|t| !t.is_empty());
+        let name = text("name").ok_or_else(|| said("has an entry without a name"))?;
+        for key in ["summary", "reference"] {
+            text(key).ok_or_else(|| said(&format!("has an entry without {key}: {name}")))?;
+        }
+        if name.contains(['/', '\\', ' ']) {
+            return Err(said(&format!("has an entry that cannot name a file: `{name}`")));
+        }
+        match entries.iter_mut().find(|(n, _)| n == name) {
+            Some((_, same)) => same.push(entry.clone()),
+            None => entries.push((name.to_owned(), vec![entry.clone()])),
+        }
+    }
+    Ok(entries)
+}
+
+const NOTE: &str = "<!-- Written by `cargo xtask docs` from the registry and from book/examples: \
+                    change those, not this page. -->\n\n";
+
+fn page(name: &str, entries: &[Value], example: Option<&str>) -> String {
+    let mut out = format!("{NOTE}# {name}\n\n");
+    for entry in entries {
+        let text = |key: &str| entry[key].as_str().filter(|t| !t.is_empty());
+        match text("kind") {
+            Some(kind) if entries.len() > 1 => out += &format!("## As {kind}\n\n"),
+            Some(kind) => out += &format!("*{}.* ", escape(&capital(kind))),
+            None => (),
+        }
+        out += &format!("{}.\n\n", capital(&escape(text("summary").unwrap_or_default())));
+        if let Some(formula) = text("formula") {
+            out += &format!("```text\n{}\n```\n\n", formula.trim());
+        }
+        if let Some(other) = text("mapped_onto").filter(|o| *o != name) {
+            out +=
+                &format!("Accepted and served by [{other}]({other}.md); a run says so once.\n\n");
+        }
+        out += &format!("Reference: {}.\n\n", escape(text("reference").unwrap_or_default()));
+    }
+    if let Some(example) = example {
+        out += &format!("## Example\n\n```text\n{}\n```\n", example.trim_end());
+    }
+    out.trim_end().to_owned() + "\n"
+}
+
+fn index(kind: &Kind, entries: &Entries) -> String {
+    let mut out = format!("{NOTE}# {}\n\n{}\n\n", kind.title, kind.intro);
+    out += "| name | what it is | reference |\n|---|---|---|\n";
+    for (name, entries) in entries {
+        let column = |key: &str| {
+            let mut texts: Vec<String> = Vec::new();
+            for e in entries {
+                let text = escape(e[key].as_str().unwrap_or_default());
+                if !texts.contains(&text) {
+                    texts.push(text);
+                }
+            }
+            texts.join("; ")
+        };
+        out +=
+            &format!("| [{name}]({name}.md) | {} | {} |\n", column("summary"), column("reference"));
+    }
+    out
+}
+
+/// `text` with what Markdown would take for markup taken out of its hands.
+fn escape(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    for c in text.trim().trim_end_matches('.').chars() {
+        match c {
+            '<' => out += "&lt;",
+            '|' | '*' | '[' | ']' | '`' | '\\' => {
+                out.push('\\');
+                out.push(c);
+            }
+            '\n' => out.push(' '),
+            c => out.push(c),
+        }
+    }
+    out
+}
+
+fn capital(text: &str) -> String {
+    // A symbol such as mu(I) or p_rgh keeps its case.
+    let first = text.split([' ', ',']).next().unwrap_or_default();
+    if first.len() > 1 && !first.chars().all(|c| c.is_ascii_lowercase() || c == '-') {
+        return text.to_owned();
+    }
+    let mut chars = text.chars();
+    chars.next().map_or(String::new(), |c| c.to_uppercase().collect::<String>() + chars.as_str())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    #[test]
+    fn a_page_holds_what_the_registry_says() {
+        let entry = json!({"name": "x", "summary": "thin (n < 1) | thick", "formula": "a*b",
+                           "reference": "A. Author, J. 1 (2000) 1"});
+        let text = page("x", &[entry], Some("type x;\n"));
+        let expected = "# x\n\nThin (n &lt; 1) \\| thick.\n\n```text\na*b\n```\n\nReference: A. Author, J. 1 \
+                        (2000) 1.\n\n## Example\n\n```text\ntype x;\n```\n";
+        assert!(text.ends_with(expected), "{text}");
+    }
+
+    #[test]
+    fn one_name_for_two_things_makes_one_page() {
+        let entry = |kind: &str| json!({"name": "GAMG", "kind": kind, "summary": format!("a {kind}"), "reference": "R"});
+        let text = page("GAMG", &[entry("solver"), entry("preconditioner")], None);
+        assert!(
+            text.contains("## As solver\n\nA solver.") && text.contains("## As preconditioner")
+        );
+    }
+
+    #[test]
+    fn symbols_keep_their_case() {
+        assert_eq!(capital("mu(I) made well posed"), "mu(I) made well posed");
+        assert_eq!(capital("dense granular flow"), "Dense granular flow");
+    }
+}
