@@ -8,8 +8,8 @@ mod value;
 
 pub use dims::{Dims, ParseDimsError};
 pub use tensor::{
-    IDENTITY, Tensor, Vec3, add, apply, cross, dot, double_dot, double_dot_sym, norm,
-    rotate_tensor, rotation_about, scale, sub, symm, trace, transpose, unit,
+    IDENTITY, Tensor, Vec3, add, apply, cross, dot, double_dot, double_dot_sym, inverse_symmetric,
+    norm, rotate_tensor, rotation_about, scale, sub, symm, trace, transpose, unit,
 };
 pub use timer::{Stages, Stopwatch};
 pub use value::Value;

@@ -101,6 +101,20 @@ pub fn rotate_tensor(r: &Tensor, t: &Tensor) -> Tensor {
     }
     out
 }
+/// Inverse of a symmetric tensor by cofactors; the null tensor when it has none.
+pub fn inverse_symmetric(m: &Tensor) -> Tensor {
+    let c = [
+        m[4] * m[8] - m[5] * m[5],
+        m[2] * m[5] - m[1] * m[8],
+        m[1] * m[5] - m[2] * m[4],
+        m[0] * m[8] - m[2] * m[2],
+        m[1] * m[2] - m[0] * m[5],
+        m[0] * m[4] - m[1] * m[1],
+    ];
+    let det = m[0] * c[0] + m[1] * c[1] + m[2] * c[2];
+    let k = if det.abs() > f64::MIN_POSITIVE { 1.0 / det } else { 0.0 };
+    [c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5]].map(|x| k * x)
+}
 /// Rotation by `angle` (radians, right-handed) about the unit vector `axis` (Rodrigues).
 pub fn rotation_about(axis: Vec3, angle: f64) -> Tensor {
     let (s, c) = angle.sin_cos();

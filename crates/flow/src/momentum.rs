@@ -27,14 +27,8 @@ impl Flow {
         let c = self.ddt_coefficients(dt);
         self.explicit_momentum_flux();
         let Flow { exec, mesh, state, numerics, work: w, .. } = self;
-        let inertia = Ddt {
-            rho: &w.rho,
-            rho_old: &w.rho,
-            old: &w.u_start,
-            older: &state.u_old,
-            dt,
-            c,
-        };
+        let inertia =
+            Ddt { rho: &w.rho, rho_old: &w.rho, old: &w.u_start, older: &state.u_old, dt, c };
         let momentum = ddt(inertia) + div(&w.rho_phi, &w.weights)
             - laplacian(&w.eta_f)
             - div_explicit(&w.explicit)
@@ -61,7 +55,12 @@ impl Flow {
             out.iter_mut().enumerate().for_each(|(i, m)| *m = rho * phi[first + i]);
         });
         operators::transpose_stress_flux(
-            exec, mesh, &state.u, &w.grad_u, &w.eta_f, &mut w.explicit,
+            exec,
+            mesh,
+            &state.u,
+            &w.grad_u,
+            &w.eta_f,
+            &mut w.explicit,
         );
         if mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0 {
             operators::non_orthogonal_flux(

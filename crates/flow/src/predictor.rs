@@ -60,8 +60,8 @@ impl Flow {
             if numerics.outer == 1 {
                 let tolerance = if last { &solve.last } else { &solve.tolerance };
                 let (a, b, u) = (&w.u_eqn.a, &w.b, &mut state.u.cells.data);
-                let solved = crate::settle(solve.solver.solve(exec, a, b, u, tolerance))
-                    .map_err(failed)?;
+                let solved =
+                    crate::settle(solve.solver.solve(exec, a, b, u, tolerance)).map_err(failed)?;
                 self.update_conditions();
                 return Ok(solved);
             }
@@ -93,7 +93,10 @@ impl Flow {
 
     /// One cycle: `work.residual` is `b - A u` on entry; u changes by the best combination of the
     /// directions found until the residual has fallen by `reduction`.
-    fn minimise_residual(&mut self, reduction: f64) -> Result<usize, granflow_linsolve::SolveError> {
+    fn minimise_residual(
+        &mut self,
+        reduction: f64,
+    ) -> Result<usize, granflow_linsolve::SolveError> {
         let Flow { exec, mesh, state, numerics, work: w, .. } = self;
         let (exec, mesh, n) = (&*exec, &**mesh, mesh.n_cells);
         let Krylov { basis, preconditioned, change, gradient, transpose } = &mut w.krylov;

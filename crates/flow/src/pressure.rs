@@ -61,9 +61,9 @@ impl Flow {
             let failed = |source| StepError::Solve { field: "p", time, source };
             numerics.p.solver.refresh(exec, &w.p_eqn.a).map_err(failed)?;
             let p_prime = &mut w.p_prime.cells.data;
-            let solved = crate::settle(numerics.p.solver.solve(
-                exec, &w.p_eqn.a, &w.p_eqn.b, p_prime, tolerance,
-            ))
+            let solved = crate::settle(
+                numerics.p.solver.solve(exec, &w.p_eqn.a, &w.p_eqn.b, p_prime, tolerance),
+            )
             .map_err(failed)?;
             let first = if k == 0 { solved.first } else { done.first };
             done = Solved { iterations: done.iterations + solved.iterations, first, ..solved };
@@ -116,7 +116,11 @@ impl Flow {
         numerics.p.solver.refresh(exec, &w.p_eqn.a).map_err(failed)?;
         let p_prime = &mut w.p_prime.cells.data;
         let solved = crate::settle(numerics.p.solver.solve(
-            exec, &w.p_eqn.a, &w.p_eqn.b, p_prime, &numerics.p.tolerance,
+            exec,
+            &w.p_eqn.a,
+            &w.p_eqn.b,
+            p_prime,
+            &numerics.p.tolerance,
         ))
         .map_err(failed)?;
         let p_prime = &w.p_prime.cells.data;
@@ -209,7 +213,13 @@ fn self_correct(
         out.iter_mut().enumerate().for_each(|(i, phi)| *phi += old[first + i]);
     });
     operators::non_orthogonal_flux(
-        exec, mesh, &w.p_prime, &w.grad_p, &w.r_at_f, limit, &mut w.p_scratch,
+        exec,
+        mesh,
+        &w.p_prime,
+        &w.grad_p,
+        &w.r_at_f,
+        limit,
+        &mut w.p_scratch,
     );
     let new = &w.p_scratch.data;
     exec.for_each(&mut w.phi_star.data[..n], |first, out| {

@@ -54,12 +54,7 @@ impl Flow {
     /// [`StepError`]; [`Flow::rollback`] then restores the state before the step.
     pub fn step(&mut self, dt: f64) -> Result<Report, StepError> {
         self.begin_step(dt);
-        self.numerics.gradient.of(
-            &self.exec,
-            &self.mesh,
-            &self.state.u,
-            &mut self.work.grad_u,
-        );
+        self.numerics.gradient.of(&self.exec, &self.mesh, &self.state.u, &mut self.work.grad_u);
         self.recall_viscosity(dt)?;
         self.work.anderson.reset();
         let constant = self.fluid.rheology.is_constant();
@@ -116,7 +111,16 @@ impl Flow {
             report.residuals.u = self.momentum_residual();
             report.residuals.p = self.continuity_residual();
         }
-        if std::env::var("TRACE").is_ok() { #[allow(clippy::print_stderr)] { let (a,b)=(self.momentum_residual(), self.continuity_residual()); eprintln!("t {:.3e} visc {:.3e} U {a:.3e} p {b:.3e} settled {settled}", self.state.time, report.residuals.viscosity); } }
+        if std::env::var("TRACE").is_ok() {
+            #[allow(clippy::print_stderr)]
+            {
+                let (a, b) = (self.momentum_residual(), self.continuity_residual());
+                eprintln!(
+                    "t {:.3e} visc {:.3e} U {a:.3e} p {b:.3e} settled {settled}",
+                    self.state.time, report.residuals.viscosity
+                );
+            }
+        }
         Ok(settled && report.residuals.within(&self.numerics.control))
     }
 
@@ -149,9 +153,8 @@ impl Flow {
         self.check_finite()?;
         let Flow { exec, mesh, state, work: w, .. } = self;
         let (u, old) = (&state.u.cells.data, &w.u_start);
-        let [change, most] = max2(exec, mesh.n_cells, |c| {
-            [norm(granflow_base::sub(u[c], old[c])), norm(u[c])]
-        });
+        let [change, most] =
+            max2(exec, mesh.n_cells, |c| [norm(granflow_base::sub(u[c], old[c])), norm(u[c])]);
         report.change = if most > 0.0 { change / most } else { 0.0 };
         let phi = &state.phi.data;
         let courant = |c: usize| {
@@ -218,12 +221,7 @@ impl Flow {
     /// [`StepError`] when the rheology gives no viscosity.
     pub fn derived(&mut self) -> Result<Derived<'_>, StepError> {
         self.update_conditions();
-        self.numerics.gradient.of(
-            &self.exec,
-            &self.mesh,
-            &self.state.u,
-            &mut self.work.grad_u,
-        );
+        self.numerics.gradient.of(&self.exec, &self.mesh, &self.state.u, &mut self.work.grad_u);
         self.recall_viscosity(self.state.dt_old.max(f64::MIN_POSITIVE))?;
         let Flow { exec, mesh, work: w, state, .. } = self;
         w.reconstruction.viscous_stress(exec, mesh, &state.u, &w.grad_u, &w.eta_f, &mut w.stress);

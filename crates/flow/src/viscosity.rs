@@ -2,7 +2,9 @@
 
 use crate::{Flow, StepError};
 use granflow_base::dot;
-use granflow_fv::operators;
+use granflow_fv::{FaceField, operators};
+use granflow_mesh::Mesh;
+use granflow_par::Exec;
 use granflow_physics::rheology::{FlowView, RheologyInfo, magnitude};
 
 /// Smallest viscosity, Pa s: below any material's; it only keeps logarithms finite where grains
@@ -43,6 +45,7 @@ impl Flow {
             time,
             dt,
             strain_rate: &w.strain_rate,
+            stress: None,
             pressure: &w.pressure,
             density: &w.rho.data,
             flux: &state.phi,
@@ -68,9 +71,10 @@ impl Flow {
         numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
         w.reconstruction.viscous_stress(exec, mesh, &state.u, &w.grad_u, &w.eta_f, &mut w.stress);
         let (stress, eta) = (&w.stress, &w.eta.data);
-        exec.for_each(&mut w.strain_rate[..n], |first, out| {
-            for (i, rate) in out.iter_mut().enumerate() {
-                *rate = magnitude(&stress[first + i]) / eta[first + i];
+        exec.for_each2(&mut w.tau[..n], &mut w.strain_rate[..n], |first, tau, rate| {
+            for i in 0..tau.len() {
+                tau[i] = magnitude(&stress[first + i]);
+                rate[i] = tau[i] / eta[first + i];
             }
         });
         let view = FlowView {
@@ -79,6 +83,7 @@ impl Flow {
             time,
             dt,
             strain_rate: &w.strain_rate,
+            stress: Some(&w.tau),
             pressure: &w.pressure,
             density: &w.rho.data,
             flux: &state.phi,
@@ -96,9 +101,9 @@ impl Flow {
 
     /// Ghosts, faces and logarithms of `eta`.
     pub(crate) fn spread_viscosity(&mut self) {
-        let Flow { exec, mesh, work: w, .. } = self;
+        let Flow { exec, mesh, work: w, fluid, .. } = self;
         mesh.halo.update(exec, &mut w.eta.data);
-        operators::to_faces(exec, mesh, &w.eta.data, &mut w.eta_f);
+        viscosity_on_faces(exec, mesh, fluid.rheology.is_constant(), &w.eta.data, &mut w.eta_f);
         let eta = &w.eta.data;
         exec.for_each(&mut w.y, |first, y| {
             y.iter_mut().enumerate().for_each(|(i, y)| *y = eta[first + i].max(LEAST).ln());
@@ -129,6 +134,34 @@ impl Flow {
         });
         let Flow { exec, mesh, work: w, .. } = self;
         mesh.halo.update(exec, &mut w.eta.data);
-        operators::to_faces(exec, mesh, &w.eta.data, &mut w.eta_f);
+        viscosity_on_faces(exec, mesh, false, &w.eta.data, &mut w.eta_f);
     }
+}
+
+/// Viscosity on faces: between cells the weighted geometric mean, exact where viscosity changes
+/// exponentially, as it does in creeping zones; at the boundary the cell's.
+fn viscosity_on_faces(
+    exec: &Exec,
+    mesh: &Mesh,
+    constant: bool,
+    eta: &[f64],
+    out: &mut FaceField<f64>,
+) {
+    if constant {
+        return operators::to_faces(exec, mesh, eta, out);
+    }
+    exec.for_each(&mut out.data, |first, out| {
+        for (i, v) in out.iter_mut().enumerate() {
+            let f = first + i;
+            let o = eta[mesh.owner[f] as usize];
+            *v = match mesh.neighbour.get(f) {
+                Some(&n) => {
+                    let (w, n) = (mesh.weight[f], eta[n as usize]);
+                    // A ratio, so that equal neighbours give their value to the bit.
+                    o * (n / o).powf(1.0 - w)
+                }
+                None => o,
+            };
+        }
+    });
 }

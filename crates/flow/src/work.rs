@@ -31,6 +31,8 @@ pub(crate) struct Work {
     pub(crate) grad_p: Vec<Vec3>,
     pub(crate) stress: Vec<Tensor>,
     pub(crate) strain_rate: Vec<f64>,
+    /// Magnitude of `stress`.
+    pub(crate) tau: Vec<f64>,
     pub(crate) pressure: Vec<f64>,
     pub(crate) body: CellField<Vec3>,
     pub(crate) b: Vec<Vec3>,
@@ -82,6 +84,7 @@ impl Work {
             grad_p: vec![[0.0; 3]; cells],
             stress: vec![[0.0; 9]; cells],
             strain_rate: vec![0.0; cells],
+            tau: vec![0.0; cells],
             pressure: vec![0.0; cells],
             body: CellField::new(m, "rhoG", Dims::DENSITY.mul(Dims::ACCELERATION), force),
             b: vec![[0.0; 3]; m.n_cells],

@@ -98,3 +98,76 @@ fn annular_cell_primitive_form() {
         assert!(e <= most && e_mu <= most_mu, "{nr} cells: V {e:.2e}, mu_w {e_mu:.2e}");
     }
 }
+
+/// Linear shear under gravity: a lid moves over grains whose weight presses them together.
+fn sheared_layer(n: usize, v: f64, dt: f64) -> (Flow, Report) {
+    let (d, l, depth) = (BEADS.d, 20.0, 30.0);
+    let h = depth * d / n as f64;
+    let kinds = shapes::periodic_kinds([true, false, true], granflow_mesh::PatchKind::Wall);
+    let poly = shapes::box_mesh([1, n, 1], [0.0; 3], [h, depth * d, h], kinds);
+    let mut s = Setup::new(&poly, numerics(80, 1));
+    let g = 9.81;
+    let p_wall = l * RHO_B * g * d;
+    s.gravity.hydrostatic = [0.0, -g, 0.0];
+    s.p0 = p_wall + RHO_B * g * depth * d;
+    let rheology = ngf(&s.exec, &s.mesh, BEADS, Form::Steady);
+    let mut flow = s.flow(
+        rheology,
+        |patch| if patch == "yMax" { fixed([v, 0.0, 0.0]) } else { fixed([0.0; 3]) },
+        |patch| if patch == "yMax" { pressure(p_wall) } else { free() },
+    );
+    let report = run(&mut flow, dt, 3);
+    (flow, report)
+}
+
+#[test]
+fn linear_shear_under_gravity() {
+    let rows = reference("linear_shear_gravity/reference/gravshear_steady_neumann_l20_I1e-03.csv");
+    let p_wall: f64 = 20.0 * RHO_B * 9.81 * BEADS.d;
+    let v = 2.5478859586e-3 * (p_wall / BEADS.rho_s).sqrt();
+    let (flow, report) = sheared_layer(240, v, 1e6);
+    let m = &flow.mesh;
+    let e = (0..m.n_cells)
+        .map(|c| {
+            let z = 30.0 - m.cell_centre[c][1] / BEADS.d;
+            (flow.state.u.cells.data[c][0] / v - interpolate(&rows, 0, 5, z)).abs()
+        })
+        .fold(0.0, f64::max);
+    println!("gravity shear: {e:.2e} {report:?}");
+    assert!(report.converged && e <= 5e-4, "{e:.2e}");
+}
+
+/// Vertical chute: grains between rough walls fall under their weight.
+fn chute(cells_a_grain: usize, dt: f64, steps: usize) -> (Flow, Report) {
+    let (d, width, mu_w, p) = (BEADS.d, 20.0, 0.45, 1000.0);
+    let n = 20 * cells_a_grain;
+    let h = d / cells_a_grain as f64;
+    let kinds = shapes::periodic_kinds([true, false, true], granflow_mesh::PatchKind::Wall);
+    let poly = shapes::box_mesh([1, n, 1], [0.0; 3], [h, width * d, h], kinds);
+    let mut s = Setup::new(&poly, numerics(200, 1));
+    let g = mu_w * 2.0 * p / (RHO_B * width * d);
+    s.gravity.driving = [g, 0.0, 0.0];
+    s.p0 = p;
+    let rheology = ngf(&s.exec, &s.mesh, BEADS, Form::Steady);
+    let mut flow = s.flow(rheology, |_| fixed([0.0; 3]), |_| fixed(p));
+    let report = run(&mut flow, dt, steps);
+    (flow, report)
+}
+
+#[test]
+fn vertical_chute() {
+    let rows = reference("vertical_chute/reference/chute_steady_neumann_W20_muw0.45.csv");
+    for n in [4, 8, 16] {
+        let (flow, report) = chute(n, 1e6, 3);
+        let m = &flow.mesh;
+        let unit = (1000.0f64 / BEADS.rho_s).sqrt() * 7.010589242128e-02;
+        let e = (0..m.n_cells)
+            .map(|c| {
+                let y = (m.cell_centre[c][1] / BEADS.d - 10.0).abs();
+                (flow.state.u.cells.data[c][0] / unit - interpolate(&rows, 0, 5, y)).abs()
+            })
+            .fold(0.0, f64::max);
+        println!("chute {n}: {e:.2e} {report:?}");
+        assert!(report.converged && (n != 8 || e <= 5e-4), "{e:.2e}");
+    }
+}

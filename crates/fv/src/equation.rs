@@ -59,7 +59,8 @@ impl<T: Differentiable> Equation<T> {
             row.clear();
             row.push((c as u32, usize::MAX));
             for k in mesh.cell_ptr[c] as usize..mesh.cell_ptr[c + 1] as usize {
-                let (f, flipped) = ((mesh.cell_faces[k] >> 1) as usize, mesh.cell_faces[k] & 1 == 1);
+                let (f, flipped) =
+                    ((mesh.cell_faces[k] >> 1) as usize, mesh.cell_faces[k] & 1 == 1);
                 if f < mesh.n_inner {
                     let other = if flipped { mesh.owner[f] } else { mesh.neighbour[f] };
                     row.push((other, k));
@@ -155,7 +156,8 @@ impl<T: Differentiable> Equation<T> {
                                 sum += m;
                                 if f < inner {
                                     let w = weights.data[f];
-                                    let (here, there) = if owner { (w, 1.0 - w) } else { (1.0 - w, w) };
+                                    let (here, there) =
+                                        if owner { (w, 1.0 - w) } else { (1.0 - w, w) };
                                     d += m * here;
                                     row_val[column_of_face[k] as usize] += m * there;
                                 } else {

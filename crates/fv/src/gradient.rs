@@ -5,7 +5,7 @@
 //! 1/|d|^2 (Barth & Jespersen 1989), exact for linear fields on any mesh.
 
 use crate::{Differentiable, Unknown};
-use granflow_base::{Tensor, Value, Vec3, dot, scale};
+use granflow_base::{Tensor, Value, Vec3, dot, inverse_symmetric, scale};
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
 
@@ -42,21 +42,6 @@ impl LeastSquares {
         };
         LeastSquares { inverse: (0..mesh.n_cells).map(one).collect() }
     }
-}
-
-/// Inverse of a symmetric positive tensor by cofactors.
-pub(crate) fn inverse_symmetric(m: &Tensor) -> Tensor {
-    let c = [
-        m[4] * m[8] - m[5] * m[5],
-        m[2] * m[5] - m[1] * m[8],
-        m[1] * m[5] - m[2] * m[4],
-        m[0] * m[8] - m[2] * m[2],
-        m[1] * m[2] - m[0] * m[5],
-        m[0] * m[4] - m[1] * m[1],
-    ];
-    let det = m[0] * c[0] + m[1] * c[1] + m[2] * c[2];
-    let k = if det.abs() > f64::MIN_POSITIVE { 1.0 / det } else { 0.0 };
-    [c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5]].map(|x| k * x)
 }
 
 impl Gradient {

@@ -118,7 +118,10 @@ pub fn transpose_stress_flux(
         for (i, t) in out.iter_mut().enumerate() {
             let f = first + i;
             let dudn = normal_derivative(mesh, u, Some(gradient), f);
-            *t = scale(transpose_derivative(mesh, gradient, f, dudn), eta.data[f] * mesh.mag_area[f]);
+            *t = scale(
+                transpose_derivative(mesh, gradient, f, dudn),
+                eta.data[f] * mesh.mag_area[f],
+            );
         }
     });
 }
@@ -155,7 +158,7 @@ impl Reconstruction {
             for (f, _) in mesh.faces_of(c) {
                 m = m.axpy(1.0 / mesh.mag_area[f], Vec3::dyad(mesh.area[f], mesh.area[f]));
             }
-            crate::gradient::inverse_symmetric(&m)
+            granflow_base::inverse_symmetric(&m)
         };
         Reconstruction { inverse: (0..mesh.n_cells).map(one).collect() }
     }

@@ -17,11 +17,8 @@ pub const A: f64 = 0.48;
 pub const RHO_B: f64 = 0.62 * 2450.0;
 
 pub fn solver<T: granflow_base::Value>(name: &str, precond: &str) -> Box<dyn LinearSolver<T>> {
-    let spec = SolverSpec {
-        solver: name.into(),
-        preconditioner: Some(precond.into()),
-        smoother: None,
-    };
+    let spec =
+        SolverSpec { solver: name.into(), preconditioner: Some(precond.into()), smoother: None };
     build(&spec).expect("a known solver")
 }
 

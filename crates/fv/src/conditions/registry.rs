@@ -201,8 +201,10 @@ fn read<T: Value, F: Copy>(
         let word = r.word("type");
         r.ignore("value");
         if !word.is_empty() && word != dictated.kind {
-            let message =
-                format!("patch `{}` is of type {}: so must be its condition", context.patch, dictated.kind);
+            let message = format!(
+                "patch `{}` is of type {}: so must be its condition",
+                context.patch, dictated.kind
+            );
             let help = format!("write `type {};`", dictated.kind);
             r.error_at_key("type", &message, &format!("found `{word}`"), Some(&help));
         }

@@ -67,6 +67,9 @@ pub struct FlowView<'a> {
     pub dt: f64,
     /// Strain rate in the cells, 1/s: the mean stress of the cell over its viscosity.
     pub strain_rate: &'a [f64],
+    /// Magnitude of the cells' mean viscous stress, Pa, where it is known (not before the first
+    /// momentum solve of a step).
+    pub stress: Option<&'a [f64]>,
     /// Pressure between grains, Pa.
     pub pressure: &'a [f64],
     /// Density, kg/m3.
