@@ -1,1 +1,7 @@
-fn main() {}
+//! The granflow command.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    granflow_cli::main()
+}

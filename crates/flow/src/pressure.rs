@@ -10,7 +10,7 @@
 
 use crate::{Flow, StepError};
 use granflow_base::{Value, dot};
-use granflow_fv::{Surroundings, div_explicit, laplacian, operators, sp};
+use granflow_fv::{Surroundings, div_explicit, laplacian, operators, source, sp};
 use granflow_linsolve::Solved;
 
 /// The mobility of all cells together exceeds that of one by at most this factor: beyond it the
@@ -109,8 +109,14 @@ impl Flow {
         exec.for_each(&mut w.compliance.data[..n], |first, out| {
             out.iter_mut().enumerate().for_each(|(i, k)| *k = 0.5 / eta[first + i]);
         });
+        let shift = level_shift(exec, mesh, w);
+        let compliance = &w.compliance.data;
+        exec.for_each(&mut w.level.data[..n], |first, out| {
+            out.iter_mut().enumerate().for_each(|(i, s)| *s = shift * compliance[first + i]);
+        });
         w.p_prime.cells.data.fill(0.0);
-        let equation = sp(&w.compliance) - laplacian(&w.r_a_f) + div_explicit(&w.phi_star);
+        let equation = sp(&w.compliance) - laplacian(&w.r_a_f) + div_explicit(&w.phi_star)
+            - source(&w.level);
         w.p_eqn.assemble(exec, mesh, &w.p_prime, &equation)?;
         let failed = |source| StepError::Solve { field: "p", time, source };
         numerics.p.solver.refresh(exec, &w.p_eqn.a).map_err(failed)?;
@@ -181,6 +187,24 @@ impl Flow {
             }
         });
     }
+}
+
+/// The shift of the whole pressure that balances what leaks through the boundaries that fix it.
+/// Compression says nothing about a uniform pressure, so `1/(2 eta)` must not hold it back. Only
+/// the viscous share counts: what inertia holds back, the correction before has dealt with.
+fn level_shift(exec: &granflow_par::Exec, mesh: &granflow_mesh::Mesh, w: &crate::work::Work) -> f64 {
+    let (inner, faces) = (mesh.n_inner, mesh.n_faces());
+    let mut sums = [0.0; 3];
+    for f in inner..faces {
+        let open = 1.0 - w.p_prime.closure.slope[f - inner];
+        let leak = open * w.r_a_f.data[f] * mesh.mag_area[f] * mesh.inv_dist[f];
+        sums[0] -= w.phi_star.data[f];
+        sums[1] += leak;
+        sums[2] += leak * (1.0 - w.r_a_f.data[f] / w.r_at_f.data[f]).max(0.0);
+    }
+    exec.comm().sum(&mut sums);
+    let [inflow, leak, viscous] = sums;
+    if leak > 0.0 { inflow * viscous / (leak * leak) } else { 0.0 }
 }
 
 /// `phi = phi* - D dp'/dn`, the flux that satisfies continuity to the solver's tolerance.

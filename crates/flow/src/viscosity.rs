@@ -10,6 +10,11 @@ use granflow_physics::rheology::{FlowView, RheologyInfo, magnitude};
 /// Smallest viscosity, Pa s: below any material's; it only keeps logarithms finite where grains
 /// are out of contact.
 const LEAST: f64 = 1e-12;
+/// Strain rate, over the greatest, below which a cell counts as being at rest.
+const AT_REST: f64 = 1e-9;
+/// Relative error of a velocity difference over that of a velocity: rounding, times the contrast
+/// of viscosity between neighbours that a stress is averaged over.
+const ROUNDING: f64 = 1e-13;
 
 impl Flow {
     /// Pressure between grains, P = p_rgh + rho G.x, Pa.
@@ -110,10 +115,23 @@ impl Flow {
         });
     }
 
-    /// The greatest change of ln(viscosity) that taking `eta_new` would make.
+    /// The greatest change of ln(viscosity) that taking `eta_new` would make, among the cells that
+    /// move at all: a strain rate of a billionth of the greatest, or what the rounding of the
+    /// velocity alone can make of it, is no movement.
     pub(crate) fn viscosity_residual(&self) -> f64 {
-        let (y, g) = (&self.work.y, &self.work.g_of_y);
-        self.exec.max(y.len(), |r| r.map(|i| (g[i] - y[i]).abs()).fold(0.0, f64::max))
+        let (y, g, rate) = (&self.work.y, &self.work.g_of_y, &self.work.strain_rate);
+        let (mesh, u) = (&self.mesh, &self.state.u.cells.data);
+        let n = y.len();
+        let fastest = self.exec.max(n, |r| r.map(|i| rate[i]).fold(0.0, f64::max));
+        let change = |c: usize| {
+            if rate[c] < AT_REST * fastest {
+                return 0.0;
+            }
+            let shortest = mesh.faces_of(c).map(|(f, _)| mesh.inv_dist[f]).fold(0.0, f64::max);
+            let rounding = ROUNDING * granflow_base::norm(u[c]) * shortest / rate[c];
+            ((g[c] - y[c]).abs() - rounding).max(0.0)
+        };
+        self.exec.max(n, |r| r.map(change).fold(0.0, f64::max))
     }
 
     /// Takes `eta_new` as it is: at the end of a step the viscosity is the rheology's own.

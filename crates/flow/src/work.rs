@@ -49,6 +49,7 @@ pub(crate) struct Work {
     pub(crate) p_scratch: FaceField<f64>,
     /// 1/(2 eta), the pressure's answer to compression where viscosity rules.
     pub(crate) compliance: CellField<f64>,
+    pub(crate) level: CellField<f64>,
     pub(crate) reconstruction: Reconstruction,
     pub(crate) krylov: Krylov,
 }
@@ -98,6 +99,7 @@ impl Work {
             p_prime: Unknown::new(m, "p'", p.cells.dims, 0.0, conditions),
             p_scratch: FaceField::new(m, "phi'", Dims::VOLUME_FLUX, 0.0),
             compliance: CellField::new(m, "1/(2 eta)", Dims::VISCOSITY.inv(), 0.0),
+            level: CellField::new(m, "level", Dims::RATE, 0.0),
             reconstruction: Reconstruction::new(m),
             krylov: Krylov::new(m),
         }

@@ -70,7 +70,7 @@ fn annular_cell_meets_the_reference() {
     let p = 1000.0;
     let v = 2.9256998922e-3 * (p / BEADS.rho_s).sqrt();
     let mut errors = Vec::new();
-    for (nr, most, most_mu) in [(64, 4e-4, 3e-4), (128, 1.2e-4, 1e-4)] {
+    for (nr, most, most_mu) in [(32, 2e-3, 2e-3), (64, 4e-4, 3e-4), (128, 1.2e-4, 1e-4), (256, 4e-5, 3e-5)] {
         let mut flow = annular(nr, v, p, Form::Steady, |_| 0.0, 60);
         let report = run(&mut flow, 1e6, 2);
         let e = error(&flow, &rows, v);
@@ -80,7 +80,8 @@ fn annular_cell_meets_the_reference() {
         assert!(e <= most && e_mu <= most_mu, "{nr} cells: V {e:.2e}, mu_w {e_mu:.2e}");
         errors.push(e);
     }
-    assert!(errors[0] / errors[1] > 3.0, "second order: {errors:?}");
+    // Order 1.7 at least over a factor of four: the kink of |mu - mu_s| wanders through the cells.
+    assert!((errors[1] / errors[3]).log(4.0) > 1.7, "second order: {errors:?}");
 }
 
 #[test]
@@ -169,5 +170,58 @@ fn vertical_chute() {
             .fold(0.0, f64::max);
         println!("chute {n}: {e:.2e} {report:?}");
         assert!(report.converged && (n != 8 || e <= 5e-4), "{e:.2e}");
+    }
+}
+
+/// From any start, at any speed and with any time step the outer iterations of the very first
+/// step end on a state whose residuals are small, and long steps end on the same profile.
+#[test]
+fn any_start_any_speed_any_step() {
+    let p = 1000.0;
+    let starts: [(&str, fn(f64) -> f64); 4] = [
+        ("rest", |_| 0.0),
+        ("rigid", |r| r / RI),
+        ("linear", |r| (RO - r) / (RO - RI)),
+        ("ragged", |r| (1e7 * r).sin()),
+    ];
+    let (mut failed, mut worst) = (Vec::new(), 0);
+    for v in [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1] {
+        for dt in [1e-6, 1e-5, 1e-4, 1e-2, 1.0, 1e6] {
+            for (name, u0) in starts {
+                let mut flow = annular(64, v, p, Form::Steady, |r| v * u0(r), 150);
+                let report = run(&mut flow, dt, 1);
+                worst = worst.max(report.outer);
+                if !report.converged {
+                    failed.push((v, dt, name, report.residuals));
+                }
+            }
+        }
+    }
+    for f in &failed {
+        println!("failed {f:?}");
+    }
+    println!("most outer iterations {worst}, {} failed", failed.len());
+    assert!(failed.is_empty());
+}
+
+/// The same where gravity drives the flow and friction is given: the chute.
+#[test]
+fn chute_with_any_step() {
+    for dt in [1e-6, 1e-5, 1e-4, 1e-2, 1.0, 1e6] {
+        let (_, report) = chute(4, dt, 1);
+        println!("chute dt {dt:.0e}: {} outer, {:?}", report.outer, report.residuals);
+        assert!(report.converged, "dt {dt}: {:?}", report.residuals);
+    }
+}
+
+/// The same where the weight of the grains varies their pressure.
+#[test]
+fn sheared_layer_with_any_step_and_speed() {
+    for v in [1e-5, 1e-3, 1e-1] {
+        for dt in [1e-5, 1e-3, 1.0, 1e6] {
+            let (_, report) = sheared_layer(120, v, dt);
+            println!("layer {v:.0e} {dt:.0e}: {} outer, {:?}", report.outer, report.residuals);
+            assert!(report.converged, "{v} {dt}: {:?}", report.residuals);
+        }
     }
 }

@@ -1,0 +1,252 @@
+//! A case, read and checked.
+
+use crate::config::{ReferenceCell, StartFrom};
+use crate::restart::{WholeState, start_dir};
+use crate::{CaseConfig, CaseError, Notices, meshing};
+use granflow_base::{Tensor, Vec3, dot, norm, scale, sub, unit};
+use granflow_dict::{Diag, Sink};
+use granflow_flow::Gravity;
+use granflow_mesh::{Mesh, PolyMesh};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// Which time directory to start from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum From {
+    /// The earliest.
+    Start,
+    /// The latest.
+    Latest,
+    /// The one of this time, s.
+    Time(f64),
+}
+
+/// How to run, beside what the case says.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// Threads of each rank.
+    pub threads: usize,
+    /// Ranks within this process.
+    pub ranks: usize,
+    /// In place of `startFrom`.
+    pub from: Option<From>,
+    /// In place of `endTime`, s.
+    pub until: Option<f64>,
+    /// Set from outside: the run writes and stops after the present step.
+    pub stop: Arc<AtomicBool>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options { threads: 1, ranks: 1, from: None, until: None, stop: Arc::default() }
+    }
+}
+
+/// A case, read and checked; nothing on the disk was changed.
+pub struct Case {
+    /// Its directory.
+    pub root: PathBuf,
+    /// Its dictionaries.
+    pub config: CaseConfig,
+    /// Its mesh in the user's numbering.
+    pub poly: PolyMesh,
+    /// The numerics' view of the whole mesh; `global_cell` and `poly_face` are user's numbers.
+    pub mesh: Arc<Mesh>,
+    /// Whether the mesh was made from `blockMeshDict` and is not on the disk.
+    pub mesh_made: bool,
+    /// The state to start from.
+    pub start: WholeState,
+    /// Gravity, split into what p_rgh absorbs and what drives the flow along cyclic directions.
+    pub gravity: Gravity,
+    /// User's cell and pressure inside (Pa, p or p_rgh) of the reference, if any is needed.
+    pub reference: Option<(usize, f64)>,
+    /// `endTime`, or what the options say, s.
+    pub end: f64,
+}
+
+impl Case {
+    /// Reads and checks all files of the case. Every mistake of every file goes to the sink,
+    /// facts worth saying to `notices`.
+    ///
+    /// # Errors
+    /// [`CaseError::Invalid`] when there are mistakes, [`CaseError::Store`] when a file cannot be
+    /// read.
+    pub fn load(
+        root: &Path,
+        options: &Options,
+        sink: &Sink,
+        notices: &Notices,
+    ) -> Result<Case, CaseError> {
+        let config = CaseConfig::read(root, sink, notices)?;
+        let loaded = meshing::load(root, sink)?;
+        let poly = loaded.poly;
+        let mesh = match meshing::prepare(&poly) {
+            Ok(m) => m,
+            Err(e) => {
+                let path = root.join(meshing::POLY_MESH).display().to_string();
+                sink.push(Diag::file(path, e.to_string()).help("`granflow check` says more"));
+                return Err(CaseError::Invalid);
+            }
+        };
+        let from = options.from.unwrap_or(match config.control.start {
+            StartFrom::Latest => From::Latest,
+            StartFrom::First => From::Start,
+            StartFrom::Time(t) => From::Time(t),
+        });
+        let dir = start_dir(root, from, sink)?;
+        let start = WholeState::read(root, &dir, &config, &poly, sink)?;
+        for f in &config.functions {
+            f.plan.check(&mesh, &config, sink);
+        }
+        let gravity = split_gravity(root, &config, &mesh, sink, notices);
+        let Some(start) = start else { return Err(CaseError::Invalid) };
+        let end = options.until.unwrap_or(config.control.end);
+        let mut case = Case {
+            root: root.to_owned(),
+            config,
+            poly,
+            mesh: Arc::new(mesh),
+            mesh_made: loaded.made,
+            start,
+            gravity,
+            reference: None,
+            end,
+        };
+        case.reference = case.find_reference(sink);
+        if sink.has_errors() {
+            return Err(CaseError::Invalid);
+        }
+        case.say(notices);
+        Ok(case)
+    }
+
+    /// Pressure inside over pressure in the files: the density where those are kinematic.
+    pub fn pressure_factor(&self) -> f64 {
+        if self.start.kinematic() { self.config.transport.rho } else { 1.0 }
+    }
+
+    fn say(&self, notices: &Notices) {
+        if self.config.control.format == granflow_dict::Format::Ascii {
+            notices.say(
+                "numbers are written with the fewest digits that read back to the same bits: \
+                 writePrecision is not needed",
+            );
+        }
+        if self.start.kinematic() && self.config.transport.rho != 1.0 {
+            notices.say(format!(
+                "the pressure in the files is kinematic (m2/s2): times rho = {} kg/m3 inside",
+                self.config.transport.rho
+            ));
+        }
+    }
+
+    /// The pressure level: needed where no condition fixes it.
+    fn find_reference(&self, sink: &Sink) -> Option<(usize, f64)> {
+        let p = &self.start.p;
+        if p.boundary.len() != self.poly.patches.len() {
+            return None;
+        }
+        let conditions =
+            crate::boundary::conditions::<f64>(&p.boundary, &self.mesh, &self.poly, p.dims, 1.0);
+        let fixed = self.mesh.patches.iter().zip(&conditions);
+        if fixed.into_iter().any(|(p, c)| !p.faces.is_empty() && c.fixes_value()) {
+            return None;
+        }
+        let Some(given) = &self.config.solution.reference else {
+            if self.config.transport.grains.is_some() {
+                let path = self.root.join("system/fvSolution").display().to_string();
+                let message = "no boundary fixes the pressure level, and the friction of grains \
+                               depends on it";
+                sink.push(Diag::file(path, message).help(
+                    "give `pRefCell 0; pRefValue <pressure>;` in PIMPLE, or a fixedValue of the \
+                     pressure on a patch",
+                ));
+            }
+            return Some((0, 0.0));
+        };
+        let cell = match given.cell {
+            ReferenceCell::Cell(c) if c < self.mesh.n_cells => c,
+            ReferenceCell::Cell(c) => {
+                let n = self.mesh.n_cells;
+                let d = Diag::error(&given.span, format!("`pRefCell {c}`: the mesh has {n} cells"));
+                sink.push(d.label(format!("from 0 to {}", n.saturating_sub(1))));
+                return None;
+            }
+            ReferenceCell::Point(x) => {
+                let far = |c: &usize| norm(sub(self.mesh.cell_centre[*c], x));
+                let near = (0..self.mesh.n_cells).min_by(|a, b| far(a).total_cmp(&far(b)))?;
+                self.mesh.global_cell[near] as usize
+            }
+        };
+        let here = self.mesh.global_cell.iter().position(|&c| c as usize == cell)?;
+        // pRefValue is the pressure itself; p_rgh lacks the weight of the fluid.
+        let weight = self.config.transport.rho
+            * dot(self.gravity.hydrostatic, self.mesh.cell_centre[here]);
+        Some((cell, given.value * self.pressure_factor() - weight))
+    }
+}
+
+/// Splits gravity: p_rgh is periodic, so what acts along a cyclic direction is a body force.
+fn split_gravity(
+    root: &Path,
+    config: &CaseConfig,
+    mesh: &Mesh,
+    sink: &Sink,
+    notices: &Notices,
+) -> Gravity {
+    let Some(g) = config.gravity else { return Gravity::default() };
+    let mut basis: Vec<Vec3> = Vec::new();
+    for link in mesh.halo.links() {
+        let (Some(&source), true) = (link.send.first(), !link.recv.is_empty()) else { continue };
+        if let Some(turn) = &link.rotation {
+            let along = scale(turn_axis(turn), dot(turn_axis(turn), g));
+            if norm(sub(g, along)) > 1e-6 * norm(g) {
+                let path = root.join("constant/g").display().to_string();
+                let message = "gravity must point along the axis of the cyclic or wedge patches";
+                sink.push(Diag::file(path, message));
+            }
+            continue;
+        }
+        let shift = sub(mesh.cell_centre[link.recv.start], mesh.cell_centre[source as usize]);
+        let mut new = unit(shift);
+        for b in &basis {
+            new = sub(new, scale(*b, dot(*b, new)));
+        }
+        if norm(new) > 1e-6 {
+            basis.push(unit(new));
+        }
+    }
+    let mut driving = [0.0; 3];
+    for b in &basis {
+        driving = granflow_base::add(driving, scale(*b, dot(*b, g)));
+    }
+    // Rounding of a direction that is meant to be perpendicular.
+    if norm(driving) <= 1e-12 * norm(g) {
+        driving = [0.0; 3];
+    }
+    if norm(driving) > 0.0 {
+        notices.say(format!(
+            "gravity has the component ({} {} {}) m/s2 along the cyclic patches: it acts as a \
+             body force, the rest is in p_rgh",
+            driving[0], driving[1], driving[2]
+        ));
+    }
+    Gravity { hydrostatic: sub(g, driving), driving }
+}
+
+/// Unit vector along the axis of a rotation.
+fn turn_axis(r: &Tensor) -> Vec3 {
+    let axis = unit([r[7] - r[5], r[2] - r[6], r[3] - r[1]]);
+    if norm(axis) > 0.0 {
+        return axis;
+    }
+    // Half a turn: R + 1 = 2 n n.
+    let columns = [0, 1, 2].map(|k| [r[k], r[3 + k], r[6 + k]]);
+    let plus = |k: usize| {
+        let mut c = columns[k];
+        c[k] += 1.0;
+        c
+    };
+    (0..3).map(plus).max_by(|a, b| norm(*a).total_cmp(&norm(*b))).map_or([0.0; 3], unit)
+}

@@ -1,0 +1,56 @@
+//! Residuals of every step, for plots of convergence.
+
+use super::schedule::{Every, Schedule};
+use super::{Entry, Function, Plan, View, Written};
+use crate::CaseConfig;
+use granflow_dict::{Sink, number};
+use granflow_mesh::Mesh;
+use granflow_par::Exec;
+
+pub(super) const ENTRY: Entry = Entry {
+    name: "residuals",
+    summary: "first linear residuals of U and p, outer residuals, iterations of every step",
+    reference: "OpenFOAM user guide, function objects",
+    read: |r, _| {
+        r.ignore("fields");
+        r.ignore("writeResidualFields");
+        Box::new(Residuals)
+    },
+    schedule: Schedule::always(Every::Steps(1)),
+};
+
+struct Residuals;
+
+impl Plan for Residuals {
+    fn check(&self, _: &Mesh, _: &CaseConfig, _: &Sink) {}
+    fn build(&self, _: &Mesh, _: &Exec) -> Box<dyn Function> {
+        Box::new(Residuals)
+    }
+}
+
+impl Function for Residuals {
+    fn needs_derived(&self) -> bool {
+        false
+    }
+    fn sample(&mut self, view: &View<'_>) -> Vec<Written> {
+        if view.exec.rank() != 0 {
+            return Vec::new();
+        }
+        let r = view.report;
+        let first = |s: &Option<(granflow_linsolve::Solved, _)>| s.map_or(0.0, |s| s.0.first);
+        let columns = [
+            first(&r.u),
+            first(&r.p),
+            r.residuals.u,
+            r.residuals.p,
+            r.residuals.viscosity,
+            r.outer as f64,
+        ];
+        let columns = columns.map(number).join("\t");
+        vec![Written::Line {
+            file: "residuals.dat",
+            header: "# Residuals\n# Time\tU_initial\tp_initial\tU\tp\tviscosity\touter".into(),
+            line: format!("{}\t{columns}", view.time_name),
+        }]
+    }
+}

@@ -1,0 +1,217 @@
+//! The state of a case at one time: what a time directory holds.
+
+use crate::fields::{VolField, read_surface, read_vol};
+use crate::store::{StoreError, TimeName, list_times};
+use crate::{CaseConfig, CaseError, files};
+use granflow_base::{Dims, Vec3};
+use granflow_dict::{Diag, Format, Header, Reader, Severity, Sink, Writer, number};
+use granflow_mesh::PolyMesh;
+use std::path::Path;
+
+/// A state on the whole mesh, in the user's numbering and the units of the files.
+#[derive(Clone)]
+pub struct WholeState {
+    /// Name of the time directory it came from.
+    pub dir: String,
+    /// Time, exact where `uniform/time` says it, s.
+    pub time: f64,
+    /// Steps since time zero.
+    pub step: usize,
+    /// Length of the next step before it is fitted to write times, s (adjustable steps only).
+    pub dt: Option<f64>,
+    /// Length of the last step, s; 0 when unknown.
+    pub dt_old: f64,
+    /// Velocity.
+    pub u: VolField<Vec3>,
+    /// Velocity one step earlier, m/s.
+    pub u_old: Option<Vec<Vec3>>,
+    /// Pressure in the units of its file.
+    pub p: VolField<f64>,
+    /// Fluxes through the faces, m3/s.
+    pub phi: Option<Vec<f64>>,
+    /// Fluidity; `cells` are zero where there is no file.
+    pub fluidity: VolField<f64>,
+    /// Whether `fluidity` came from a file.
+    pub has_fluidity: bool,
+}
+
+impl WholeState {
+    /// Whether the pressure is given per density, m2/s2.
+    pub fn kinematic(&self) -> bool {
+        self.p.dims == Dims::KINEMATIC_PRESSURE
+    }
+
+    /// Reads the time directory `dir`. Mistakes go to the sink; `None` when a needed file is
+    /// missing (which is one of them).
+    ///
+    /// # Errors
+    /// A file is there and cannot be read.
+    pub fn read(
+        root: &Path,
+        dir: &str,
+        config: &CaseConfig,
+        poly: &PolyMesh,
+        sink: &Sink,
+    ) -> Result<Option<WholeState>, CaseError> {
+        let missing = |name: &str, help: &str| {
+            let path = root.join(dir).join(name).display().to_string();
+            sink.push(Diag::file(path, format!("the field `{name}` is missing")).help(help));
+        };
+        let u = read_vol::<Vec3>(root, dir, "U", &[Dims::VELOCITY], poly, sink)?;
+        if u.is_none() {
+            missing("U", "every case needs the velocity and its boundary conditions");
+        }
+        let pressure = config.pressure();
+        let accept = [Dims::PRESSURE, Dims::KINEMATIC_PRESSURE];
+        let p = read_vol::<f64>(root, dir, pressure, &accept, poly, sink)?;
+        if p.is_none() {
+            let other = if pressure == "p" { "p_rgh" } else { "p" };
+            match (files::exists(root, &format!("{dir}/{other}")), pressure) {
+                (true, "p_rgh") => missing(
+                    "p_rgh",
+                    "gravity acts (constant/g), so the unknown is p_rgh = p - rho g.x: rename `p` \
+                     and use fixedFluxPressure at walls, prghPressure where p is given; or remove \
+                     constant/g",
+                ),
+                (true, _) => missing(
+                    "p",
+                    "the case has p_rgh and no constant/g: add constant/g, or rename p_rgh to p",
+                ),
+                _ => missing(pressure, "every case needs the pressure and its boundary conditions"),
+            }
+        }
+        let rate = [Dims::RATE];
+        let from_file = match config.transport.has_fluidity {
+            true => read_vol::<f64>(root, dir, "fluidity", &rate, poly, sink)?,
+            false => None,
+        };
+        let has_fluidity = from_file.is_some();
+        let fluidity =
+            from_file.unwrap_or_else(|| VolField::uniform("fluidity", Dims::RATE, 0.0, poly));
+        if has_fluidity && fluidity.cells.iter().any(|g| *g < 0.0) {
+            let path = root.join(dir).join("fluidity").display().to_string();
+            sink.push(Diag::file(path, "the fluidity is negative somewhere"));
+        }
+        let phi = read_surface(root, dir, "phi", Dims::VOLUME_FLUX, poly, sink)?;
+        let u_old = match read_vol::<Vec3>(root, dir, "U_0", &[Dims::VELOCITY], poly, sink)? {
+            Some(f) if config.schemes.ddt == granflow_flow::TimeScheme::Backward => Some(f.cells),
+            _ => None,
+        };
+        let mut clock = Clock::read(root, dir, sink)?;
+        if config.schemes.ddt == granflow_flow::TimeScheme::Backward && u_old.is_none() {
+            // Without an earlier velocity the first step is a plain one.
+            clock.dt_old = 0.0;
+        }
+        let (Some(u), Some(p)) = (u, p) else { return Ok(None) };
+        Ok(Some(WholeState {
+            dir: dir.into(),
+            time: clock.time,
+            step: clock.step,
+            dt: clock.dt,
+            dt_old: clock.dt_old,
+            u,
+            u_old,
+            p,
+            phi,
+            fluidity,
+            has_fluidity,
+        }))
+    }
+}
+
+/// `uniform/time` of a time directory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clock {
+    /// Time, s.
+    pub time: f64,
+    /// Steps since time zero.
+    pub step: usize,
+    /// Length of the next step, s.
+    pub dt: Option<f64>,
+    /// Length of the last step, s.
+    pub dt_old: f64,
+}
+
+impl Clock {
+    /// Reads the file; without one the time is the directory's name.
+    ///
+    /// # Errors
+    /// The file is there and cannot be read.
+    pub fn read(root: &Path, dir: &str, sink: &Sink) -> Result<Clock, StoreError> {
+        let named = TimeName::parse(dir).unwrap_or(0.0);
+        let mut clock = Clock { time: named, step: 0, dt: None, dt_old: 0.0 };
+        let Some(dict) = files::dict(root, Path::new(dir).join("uniform/time"), sink)? else {
+            return Ok(clock);
+        };
+        let r = Reader::new(&dict, sink);
+        // A renamed or copied directory: its name counts.
+        let value = r.opt_scalar("value", Dims::TIME, named);
+        let belongs = (value - named).abs() <= 1e-3 * value.abs().max(named.abs());
+        r.ignore("name");
+        clock.step = r.opt_label_in("index", 0..=i64::MAX, 0) as usize;
+        clock.dt = r.maybe_scalar("deltaT", Dims::TIME).filter(|dt| *dt > 0.0);
+        clock.dt_old = r.opt_non_negative("deltaT0", Dims::TIME, 0.0);
+        r.finish(Severity::Warning);
+        if belongs {
+            clock.time = value;
+        }
+        Ok(clock)
+    }
+
+    /// The file's text.
+    pub fn text(&self, dir: &str) -> Vec<u8> {
+        let header = Header::new("dictionary", "time").location(format!("{dir}/uniform"));
+        let mut w = Writer::new(&header.format(Format::Ascii));
+        w.entry("value", number(self.time));
+        w.entry("name", format_args!("\"{dir}\""));
+        w.entry("index", self.step);
+        w.entry("deltaT", number(self.dt.unwrap_or(self.dt_old)));
+        w.entry("deltaT0", number(self.dt_old));
+        w.finish()
+    }
+}
+
+/// The name of the time directory to start from.
+///
+/// # Errors
+/// The case directory cannot be read; [`CaseError::Invalid`] when it has no time directory.
+pub fn start_dir(
+    root: &Path,
+    from: crate::From,
+    sink: &Sink,
+) -> Result<String, CaseError> {
+    let times = list_times(root)?;
+    let found = match from {
+        crate::From::Start => times.first(),
+        crate::From::Latest => times.last(),
+        crate::From::Time(t) => {
+            let off = |x: &&(f64, _)| (x.0 - t).abs();
+            times.iter().min_by(|a, b| off(a).total_cmp(&off(b)))
+        }
+    };
+    if let Some((t, path)) = found {
+        if let crate::From::Time(wanted) = from
+            && (t - wanted).abs() > 1e-6 * wanted.abs().max(t.abs())
+        {
+            let names: Vec<String> = times.iter().filter_map(|x| name_of(&x.1)).collect();
+            let d = Diag::file(root.display().to_string(), format!("there is no time {wanted}"));
+            sink.push(d.help(format!("the case has the times {}", names.join(", "))));
+            return Err(CaseError::Invalid);
+        }
+        if let Some(name) = name_of(path) {
+            return Ok(name);
+        }
+    }
+    let d = Diag::file(root.join("0").display().to_string(), "the case has no time directory");
+    let help = if root.join("0.orig").is_dir() {
+        "`granflow init` copies 0.orig to 0"
+    } else {
+        "make the directory `0` with the fields U and p (p_rgh where gravity acts)"
+    };
+    sink.push(d.help(help));
+    Err(CaseError::Invalid)
+}
+
+fn name_of(path: &Path) -> Option<String> {
+    Some(path.file_name()?.to_str()?.to_owned())
+}

@@ -1,0 +1,345 @@
+//! One rank's part of a run. Every rank does the same things in the same order: rank 0 says what
+//! is next, and what needs the disk happens there alone.
+
+use crate::build::{self, Start};
+use crate::collect::Collector;
+use crate::functions::{Derivations, Function, View, Written};
+use crate::Case;
+use granflow_base::Vec3;
+use granflow_flow::{Flow, Report, StepError};
+use granflow_mesh::Mesh;
+use granflow_par::{Exec, InProcess};
+use std::sync::Arc;
+use std::thread::JoinHandle;
+
+/// What rank 0 asks of every rank.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Order {
+    /// A time step of so many seconds.
+    Step(f64),
+    /// Back to the state before the step.
+    Rollback,
+    /// Compute what follows from the state.
+    Derive,
+    /// Sample function number so and so.
+    Sample(usize),
+    /// Collect the state, with or without what follows from it.
+    Collect(bool),
+    /// Go on as a restart from what was written would.
+    Renew,
+    /// Greatest Courant number of a step of one second.
+    Courant,
+    /// The end.
+    Stop,
+}
+
+impl Order {
+    fn code(self) -> Vec<f64> {
+        match self {
+            Order::Step(dt) => vec![0.0, dt],
+            Order::Rollback => vec![1.0, 0.0],
+            Order::Derive => vec![2.0, 0.0],
+            Order::Sample(i) => vec![3.0, i as f64],
+            Order::Collect(derived) => vec![4.0, f64::from(u8::from(derived))],
+            Order::Renew => vec![5.0, 0.0],
+            Order::Courant => vec![6.0, 0.0],
+            Order::Stop => vec![7.0, 0.0],
+        }
+    }
+    fn from_code(code: &[f64]) -> Order {
+        let arg = code.get(1).copied().unwrap_or(0.0);
+        match code.first().map_or(7, |c| *c as u8) {
+            0 => Order::Step(arg),
+            1 => Order::Rollback,
+            2 => Order::Derive,
+            3 => Order::Sample(arg as usize),
+            4 => Order::Collect(arg != 0.0),
+            5 => Order::Renew,
+            6 => Order::Courant,
+            _ => Order::Stop,
+        }
+    }
+}
+
+/// What rank 0 gets back.
+pub(crate) enum Answer {
+    Done,
+    Stepped(Box<Report>),
+    Sampled(Vec<Written>),
+    Collected(Box<Sheets>),
+    Number(f64),
+}
+
+/// Fields of the whole mesh in the user's numbering, SI units.
+#[derive(Default)]
+pub(crate) struct Sheets {
+    pub(crate) u: Vec<Vec3>,
+    pub(crate) u_faces: Vec<Vec3>,
+    pub(crate) u_old: Option<Vec<Vec3>>,
+    pub(crate) p: Vec<f64>,
+    pub(crate) p_faces: Vec<f64>,
+    pub(crate) phi: Vec<f64>,
+    pub(crate) fluidity: Option<Vec<f64>>,
+    pub(crate) pressure: Option<Vec<f64>>,
+    pub(crate) strain_rate: Option<Vec<f64>>,
+    pub(crate) viscosity: Option<Vec<f64>>,
+}
+
+/// One rank.
+pub(crate) struct Worker {
+    pub(crate) case: Arc<Case>,
+    /// `None` only while it is being renewed.
+    flow: Option<Flow>,
+    collector: Collector,
+    functions: Vec<Box<dyn Function>>,
+    derived: Derivations,
+    report: Report,
+    /// Name of the present time in tables.
+    pub(crate) time_name: String,
+}
+
+impl Worker {
+    pub(crate) fn new(case: Arc<Case>, exec: Exec, mesh: Arc<Mesh>) -> Worker {
+        let collector =
+            Collector::new(&exec, &mesh, case.poly.n_cells(), case.poly.n_faces());
+        let functions =
+            case.config.functions.iter().map(|f| f.plan.build(&mesh, &exec)).collect();
+        let start = Start::of_case(&case, &mesh);
+        let flow = build::flow(&case, exec, mesh, start);
+        Worker {
+            case,
+            flow: Some(flow),
+            collector,
+            functions,
+            derived: Derivations::default(),
+            report: Report::default(),
+            time_name: String::new(),
+        }
+    }
+
+    /// The flow.
+    pub(crate) fn flow(&self) -> &Flow {
+        self.flow.as_ref().expect("only `renew` takes the flow, and puts it back")
+    }
+    fn flow_mut(&mut self) -> &mut Flow {
+        self.flow.as_mut().expect("only `renew` takes the flow, and puts it back")
+    }
+
+    /// Whether function `i` needs [`Order::Derive`] first.
+    pub(crate) fn needs_derived(&self, i: usize) -> bool {
+        self.functions[i].needs_derived()
+    }
+
+    /// Rank 0: tells every rank and does its own part.
+    pub(crate) fn order(&mut self, order: Order) -> Result<Answer, StepError> {
+        let exec = &self.flow().exec;
+        if exec.ranks() > 1 {
+            exec.comm().broadcast(&mut order.code());
+        }
+        self.execute(order)
+    }
+
+    /// The other ranks: obey until the end.
+    pub(crate) fn serve(mut self) {
+        loop {
+            let mut code = Vec::new();
+            self.flow().exec.comm().broadcast(&mut code);
+            let order = Order::from_code(&code);
+            if order == Order::Stop {
+                return;
+            }
+            // Rank 0 hears of failures by itself and decides what to do.
+            let _ = self.execute(order);
+        }
+    }
+
+    fn execute(&mut self, order: Order) -> Result<Answer, StepError> {
+        match order {
+            Order::Step(dt) => {
+                let result = self.flow_mut().step(dt);
+                let report = self.agree(result)?;
+                self.report = report;
+                Ok(Answer::Stepped(Box::new(report)))
+            }
+            Order::Rollback => {
+                let flow = self.flow_mut();
+                flow.rollback();
+                Ok(Answer::Done)
+            }
+            Order::Derive => {
+                let Worker { flow, derived, .. } = self;
+                if let Some(flow) = flow {
+                    derived.update(flow)?;
+                }
+                Ok(Answer::Done)
+            }
+            Order::Sample(i) => Ok(Answer::Sampled(self.sample(i))),
+            Order::Collect(derived) => Ok(Answer::Collected(Box::new(self.collect(derived)))),
+            Order::Renew => {
+                self.renew();
+                Ok(Answer::Done)
+            }
+            Order::Courant => Ok(Answer::Number(courant(self.flow()))),
+            Order::Stop => Ok(Answer::Done),
+        }
+    }
+
+    /// A step has failed when it has failed on any rank.
+    fn agree(&self, result: Result<Report, StepError>) -> Result<Report, StepError> {
+        let exec = &self.flow().exec;
+        if exec.ranks() == 1 {
+            return result;
+        }
+        let mut failed = [f64::from(u8::from(result.is_err()))];
+        exec.comm().max(&mut failed);
+        if failed[0] > 0.0
+            && let Ok(report) = &result
+        {
+            return Err(StepError::NotFinite {
+                field: "a field of another rank",
+                cell: 0,
+                place: [0.0; 3],
+                time: report.time,
+                cause: "see the report of that rank",
+            });
+        }
+        result
+    }
+
+    fn sample(&mut self, i: usize) -> Vec<Written> {
+        let Worker { case, flow, functions, derived, report, time_name, .. } = self;
+        let (Some(flow), Some(function)) = (flow.as_ref(), functions.get_mut(i)) else {
+            return Vec::new();
+        };
+        let view = View {
+            exec: &flow.exec,
+            mesh: &flow.mesh,
+            u: &flow.state.u,
+            p: &flow.state.p,
+            fluidity: flow.fluid.rheology.field().map(|g| &g.data[..]),
+            derived,
+            grains: case.config.transport.grains,
+            rho: flow.fluid.rho,
+            gravity: flow.gravity.hydrostatic,
+            pressure_factor: case.pressure_factor(),
+            time: flow.state.time,
+            time_name,
+            report,
+        };
+        function.sample(&view)
+    }
+
+    fn collect(&mut self, derived: bool) -> Sheets {
+        let flow = self.flow();
+        let (exec, mesh, s, n) = (&flow.exec, &flow.mesh, &flow.state, flow.mesh.n_cells);
+        let c = &self.collector;
+        let whole = |v: &[f64]| c.cells(exec, v, n);
+        let mut u_faces = vec![[0.0; 3]; mesh.n_faces()];
+        let mut p_faces = vec![0.0; mesh.n_faces()];
+        for f in mesh.n_inner..mesh.n_faces() {
+            u_faces[f] = s.u.boundary_value(mesh, f);
+            p_faces[f] = s.p.boundary_value(mesh, f);
+        }
+        let backward = flow.numerics.ddt == granflow_flow::TimeScheme::Backward;
+        let d = &self.derived;
+        Sheets {
+            u: c.cells(exec, &s.u.cells.data, n).unwrap_or_default(),
+            u_faces: c.faces(exec, &u_faces, false).unwrap_or_default(),
+            u_old: if backward { c.cells(exec, &s.u_old, n) } else { None },
+            p: whole(&s.p.cells.data).unwrap_or_default(),
+            p_faces: c.faces(exec, &p_faces, false).unwrap_or_default(),
+            phi: c.faces(exec, &s.phi.data, true).unwrap_or_default(),
+            fluidity: flow.fluid.rheology.field().and_then(|g| whole(&g.data)),
+            pressure: if derived { whole(&d.pressure) } else { None },
+            strain_rate: if derived { whole(&d.strain_rate) } else { None },
+            viscosity: if derived { whole(&d.viscosity) } else { None },
+        }
+    }
+
+    /// Builds the flow anew from what the files of its state hold, so that going on and
+    /// restarting are one and the same: no solver, no condition remembers more than the files.
+    fn renew(&mut self) {
+        let start = Start::of_flow(&self.case, self.flow());
+        if let Some(Flow { exec, mesh, .. }) = self.flow.take() {
+            self.flow = Some(build::flow(&self.case, exec, mesh, start));
+        }
+    }
+}
+
+/// Greatest Courant number of a step of one second.
+fn courant(flow: &Flow) -> f64 {
+    let (mesh, phi) = (&flow.mesh, &flow.state.phi.data);
+    let rate = |c: usize| {
+        0.5 * mesh.faces_of(c).map(|(f, _)| phi[f].abs()).sum::<f64>() / mesh.volume[c]
+    };
+    flow.exec.max(mesh.n_cells, |r| r.map(rate).fold(0.0, f64::max))
+}
+
+/// Rank 0 and the threads of the others.
+pub(crate) struct Crew {
+    pub(crate) worker: Worker,
+    others: Vec<JoinHandle<()>>,
+}
+
+impl Crew {
+    /// Starts the ranks. The other ranks live on threads of this process until the crew is
+    /// dropped.
+    pub(crate) fn new(
+        case: Arc<Case>,
+        ranks: usize,
+        threads: usize,
+    ) -> Result<Crew, granflow_mesh::MeshError> {
+        let ranks = ranks.clamp(1, case.mesh.n_cells.max(1));
+        if ranks == 1 {
+            let exec = Exec::new(threads, Box::new(granflow_par::Solo));
+            let mesh = case.mesh.clone();
+            return Ok(Crew { worker: Worker::new(case, exec, mesh), others: Vec::new() });
+        }
+        let parts = decompose(&case, ranks)?;
+        let mut others = Vec::with_capacity(ranks - 1);
+        let mut first = None;
+        for (comm, mesh) in InProcess::world(ranks).into_iter().zip(parts) {
+            if first.is_none() {
+                first = Some((comm, mesh));
+                continue;
+            }
+            let case = case.clone();
+            others.push(std::thread::spawn(move || {
+                let exec = Exec::new(threads, Box::new(comm));
+                Worker::new(case, exec, Arc::new(mesh)).serve();
+            }));
+        }
+        let (comm, mesh) = first.expect("at least one rank");
+        let exec = Exec::new(threads, Box::new(comm));
+        Ok(Crew { worker: Worker::new(case, exec, Arc::new(mesh)), others })
+    }
+}
+
+/// The parts of the whole mesh, with the user's numbers.
+fn decompose(case: &Case, ranks: usize) -> Result<Vec<Mesh>, granflow_mesh::MeshError> {
+    // By the user's cells, so that the cut does not depend on the renumbering.
+    let by_user = granflow_mesh::partition(&case.poly, ranks);
+    let part: Vec<u32> = case.mesh.global_cell.iter().map(|&c| by_user[c as usize]).collect();
+    (0..ranks)
+        .map(|rank| {
+            let mut mesh = granflow_mesh::extract(&case.mesh, &part, rank)?;
+            for c in &mut mesh.global_cell {
+                *c = case.mesh.global_cell[*c as usize];
+            }
+            Ok(mesh)
+        })
+        .collect()
+}
+
+impl Drop for Crew {
+    fn drop(&mut self) {
+        if self.others.is_empty() || std::thread::panicking() {
+            return;
+        }
+        let _ = self.worker.order(Order::Stop);
+        for thread in self.others.drain(..) {
+            // A rank that panicked has said so.
+            let _ = thread.join();
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! What a user may type.
+
+use clap::{Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Granular and generalised Newtonian flow on OpenFOAM cases.
+#[derive(Debug, Parser)]
+#[command(name = "granflow", version, about, max_term_width = 100, disable_help_subcommand = true)]
+#[command(after_help = "Exit codes: 0 done, 2 bad input (nothing changed), 3 the computation failed \
+    (state kept), 4 the machine failed (disk full, no permission), 130/143 stopped by a signal \
+    after writing.")]
+pub struct Args {
+    /// Print nothing but errors
+    #[arg(short, long, global = true)]
+    pub quiet: bool,
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a case: mesh and initialise what is missing, solve, write, draw the figures
+    #[command(allow_negative_numbers = true)]
+    Run(Run),
+    /// Make constant/polyMesh from system/blockMeshDict
+    Mesh(Place),
+    /// Make 0 from 0.orig
+    Init(Place),
+    /// Read and check everything, estimate what a run needs; change nothing
+    Check(Check),
+    /// Write a built-in case (granflow list cases)
+    New(New),
+    /// List what can be written in a case
+    List(List),
+    /// Draw the figures of system/plotDict
+    Plot(Place),
+}
+
+/// `granflow run`.
+#[derive(Debug, clap::Args)]
+pub struct Run {
+    /// Directory of the case
+    #[arg(default_value = ".")]
+    pub case: PathBuf,
+    /// Threads; the results are the same bits for any number [default: all cores]
+    #[arg(short = 'j', long = "threads", value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Time directory to start from [default: what controlDict says]
+    #[arg(long, value_name = "start|latest|TIME", value_parser = start)]
+    pub from: Option<Start>,
+    /// Time to run until, s [default: endTime of controlDict]
+    #[arg(long, value_name = "TIME", value_parser = seconds)]
+    pub until: Option<f64>,
+}
+
+/// `granflow check`.
+#[derive(Debug, clap::Args)]
+pub struct Check {
+    /// Directory of the case
+    #[arg(default_value = ".")]
+    pub case: PathBuf,
+}
+
+/// A command that needs nothing but a case.
+#[derive(Debug, clap::Args)]
+pub struct Place {
+    /// Directory of the case
+    #[arg(default_value = ".")]
+    pub case: PathBuf,
+}
+
+/// `granflow new`.
+#[derive(Debug, clap::Args)]
+pub struct New {
+    /// Name of the case (granflow list cases)
+    pub name: String,
+    /// Directory to write; must not exist [default: NAME]
+    pub dir: Option<PathBuf>,
+}
+
+/// `granflow list`.
+#[derive(Debug, clap::Args)]
+pub struct List {
+    /// What to list [default: everything]
+    pub what: Option<Listing>,
+    /// For programs: an array of objects
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// What can be listed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Listing {
+    /// transportModel in constant/transportProperties
+    Rheologies,
+    /// type of a patch in a field file
+    Conditions,
+    /// words of system/fvSchemes
+    Schemes,
+    /// solver, preconditioner, smoother in system/fvSolution
+    Solvers,
+    /// type of a function in system/controlDict
+    Functions,
+    /// built-in cases, for granflow new
+    Cases,
+}
+
+/// `--from`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Start {
+    /// `startTime` of controlDict.
+    Start,
+    /// The latest time directory.
+    Latest,
+    /// The time directory of that time, s.
+    Time(f64),
+}
+
+fn start(text: &str) -> Result<Start, String> {
+    match text {
+        "start" => Ok(Start::Start),
+        "latest" => Ok(Start::Latest),
+        _ => seconds(text).map(Start::Time).map_err(|_| {
+            format!("expected `start`, `latest` or a time in seconds, found `{text}`")
+        }),
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let finite = text.parse::<f64>().ok().filter(|t| t.is_finite());
+    finite.ok_or_else(|| format!("expected a time in seconds, found `{text}`"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_table_of_arguments_is_consistent() {
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn run_reads_its_options() {
+        let args = Args::try_parse_from(["granflow", "run", "a", "-j2", "--from", "-0.5"]).unwrap();
+        let Command::Run(run) = args.command else { panic!("not run") };
+        assert_eq!((run.case, run.threads), ("a".into(), Some(2)));
+        assert_eq!((run.from, run.until), (Some(Start::Time(-0.5)), None));
+        assert!(Args::try_parse_from(["granflow", "run", "--from", "lastest"]).is_err());
+        assert!(Args::try_parse_from(["granflow", "run", "--until", "inf"]).is_err());
+        assert!(Args::try_parse_from(["granflow", "run", "-j", "0"]).is_err());
+    }
+}
