@@ -106,7 +106,7 @@ fn measure(exec: &Exec, mesh: &Mesh) -> Result<(), Box<dyn Error>> {
         operators::transpose_stress_flux(exec, mesh, &u, &grad_u, &eta, &mut explicit);
     });
     report(exec, mesh, "mean viscous stress of the cells", || {
-        reconstruction.viscous_stress(exec, mesh, &u, None, &eta, &mut stress);
+        reconstruction.viscous_stress(exec, mesh, &u, &grad_u, &eta, &mut stress);
     });
 
     let mut momentum = Equation::<Vec3>::new(exec, mesh);

@@ -196,13 +196,17 @@ fn page(name: &str, entries: &[Value], example: Option<&str>) -> String {
             Some(kind) => out += &format!("*{}.* ", escape(&capital(kind))),
             None => (),
         }
-        out += &format!("{}.\n\n", capital(&escape(text("summary").unwrap_or_default())));
+        match text("mapped_onto").filter(|o| *o != name) {
+            Some(other) => {
+                out += &format!("Served by [{other}]({other}.md); a run says so once.\n\n");
+            }
+            None => {
+                let summary = escape(text("summary").unwrap_or_default());
+                out += &format!("{}.\n\n", capital(&summary));
+            }
+        }
         if let Some(formula) = text("formula") {
             out += &format!("```text\n{}\n```\n\n", formula.trim());
-        }
-        if let Some(other) = text("mapped_onto").filter(|o| *o != name) {
-            out +=
-                &format!("Accepted and served by [{other}]({other}.md); a run says so once.\n\n");
         }
         out += &format!("Reference: {}.\n\n", escape(text("reference").unwrap_or_default()));
     }
@@ -214,7 +218,13 @@ fn page(name: &str, entries: &[Value], example: Option<&str>) -> String {
 
 fn index(kind: &Kind, entries: &Entries) -> String {
     let mut out = format!("{NOTE}# {}\n\n{}\n\n", kind.title, kind.intro);
-    out += "| name | what it is | reference |\n|---|---|---|\n";
+    let kinds = entries.iter().flat_map(|(_, e)| e).any(|e| e["kind"].is_string());
+    let columns: &[(&str, &str)] = match kinds {
+        true => &[("kind", "kind"), ("what it is", "summary"), ("reference", "reference")],
+        false => &[("what it is", "summary"), ("reference", "reference")],
+    };
+    let titles: Vec<&str> = columns.iter().map(|c| c.0).collect();
+    out += &format!("| name | {} |\n|---{}|\n", titles.join(" | "), "|---".repeat(titles.len()));
     for (name, entries) in entries {
         let column = |key: &str| {
             let mut texts: Vec<String> = Vec::new();
@@ -226,8 +236,8 @@ fn index(kind: &Kind, entries: &Entries) -> String {
             }
             texts.join("; ")
         };
-        out +=
-            &format!("| [{name}]({name}.md) | {} | {} |\n", column("summary"), column("reference"));
+        let row: Vec<String> = columns.iter().map(|c| column(c.1)).collect();
+        out += &format!("| [{name}]({name}.md) | {} |\n", row.join(" | "));
     }
     out
 }
@@ -238,7 +248,7 @@ fn escape(text: &str) -> String {
     for c in text.trim().trim_end_matches('.').chars() {
         match c {
             '<' => out += "&lt;",
-            '|' | '*' | '[' | ']' | '`' | '\\' => {
+            '|' | '*' | '[' | ']' | '\\' => {
                 out.push('\\');
                 out.push(c);
             }

@@ -1,7 +1,14 @@
 //! Time directories and the tables of functions. Only rank 0 comes here.
 
+use crate::boundary::of_kind;
+use crate::fields::Sheet;
 use crate::functions::Written;
-use crate::store::{Operation, StoreError, write_atomic};
+use crate::restart::Clock;
+use crate::store::{Operation, StoreError, TimeWriter, write_atomic};
+use crate::worker::Sheets;
+use crate::{Case, CaseError};
+use granflow_base::{Dims, dot};
+use granflow_dict::Dict;
 use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
 use std::io::Write;
@@ -59,4 +66,89 @@ fn append(path: &Path, line: &str) -> Result<(), StoreError> {
         let _ = file.set_len(end);
         fail(e)
     })
+}
+
+/// Writes the time directory `name`, whole or not at all.
+pub(crate) fn write_time(
+    case: &Case,
+    name: &str,
+    clock: &Clock,
+    s: &Sheets,
+) -> Result<(), CaseError> {
+    let (control, entries, k) = (&case.config.control, &case.start, case.pressure_factor());
+    let mut dir = TimeWriter::begin(&case.root, name)?.compressed(control.compression);
+    let sheet = |field, dims| Sheet {
+        name: field,
+        time: name,
+        dims,
+        format: control.format,
+        poly: &case.poly,
+    };
+    let per = |v: &[f64]| v.iter().map(|p| p / k).collect::<Vec<f64>>();
+    let dictated: Vec<Dict> = case.poly.patches.iter().map(|p| of_kind(&p.kind)).collect();
+
+    let u = sheet("U", Dims::VELOCITY).vol(&s.u, &entries.u.boundary, Some(&s.u_faces));
+    dir.file("U", &u)?;
+    if let Some(u_old) = &s.u_old {
+        dir.file("U_0", &sheet("U_0", Dims::VELOCITY).vol(u_old, &entries.u.boundary, None))?;
+    }
+    let pressure = case.config.pressure();
+    let (p, p_faces) = (per(&s.p), per(&s.p_faces));
+    let text = sheet(pressure, entries.p.dims).vol(&p, &entries.p.boundary, Some(&p_faces));
+    dir.file(pressure, &text)?;
+    dir.file("phi", &sheet("phi", Dims::VOLUME_FLUX).surface(&s.phi))?;
+    if let Some(g) = &s.fluidity {
+        let faces = owner_values(case, g);
+        let text =
+            sheet("fluidity", Dims::RATE).vol(g, &entries.fluidity.boundary, Some(&faces));
+        dir.file("fluidity", &text)?;
+    }
+    if let (Some(total), "p_rgh") = (&s.pressure, pressure) {
+        let faces = per(&total_on_faces(case, &s.p_faces));
+        let calculated: Vec<Dict> = dictated.iter().map(calculated).collect();
+        let text = sheet("p", entries.p.dims).vol(&per(total), &calculated, Some(&faces));
+        dir.file("p", &text)?;
+    }
+    let mut derived = |field, dims, values: &[f64]| {
+        dir.file(field, &sheet(field, dims).vol(values, &dictated, None))
+    };
+    if let (Some(rate), Some(eta), Some(p)) = (&s.strain_rate, &s.viscosity, &s.pressure) {
+        derived("strainRate", Dims::RATE, rate)?;
+        derived("viscosity", Dims::VISCOSITY, eta)?;
+        if let Some(grains) = case.config.transport.grains {
+            let ratio = |c: usize| rate[c] * eta[c] / p[c].max(grains.loose());
+            let ratios: Vec<f64> = (0..p.len()).map(ratio).collect();
+            derived("stressRatio", Dims::NONE, &ratios)?;
+            let number = |c: usize| grains.inertial_number(rate[c], p[c]);
+            let numbers: Vec<f64> = (0..p.len()).map(number).collect();
+            derived("inertialNumber", Dims::NONE, &numbers)?;
+        }
+    }
+    dir.file_plain("uniform/time", &clock.text(name))?;
+    dir.commit()?;
+    Ok(())
+}
+
+/// On every face the value of its owner.
+fn owner_values(case: &Case, cells: &[f64]) -> Vec<f64> {
+    case.poly.owner.iter().map(|&c| cells[c as usize]).collect()
+}
+
+/// p on boundary faces from p_rgh there.
+fn total_on_faces(case: &Case, p_rgh: &[f64]) -> Vec<f64> {
+    let (mesh, mut out) = (&case.mesh, p_rgh.to_vec());
+    for f in mesh.n_inner..mesh.n_faces() {
+        let weight = case.config.transport.rho
+            * dot(case.gravity.hydrostatic, mesh.face_centre[f]);
+        out[(mesh.poly_face[f] >> 1) as usize] += weight;
+    }
+    out
+}
+
+fn calculated(dictated: &Dict) -> Dict {
+    let mut d = dictated.clone();
+    if d.word("type") == Some("zeroGradient") {
+        d.set("type", "calculated");
+    }
+    d
 }

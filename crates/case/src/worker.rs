@@ -94,6 +94,8 @@ pub(crate) struct Worker {
     functions: Vec<Box<dyn Function>>,
     derived: Derivations,
     report: Report,
+    /// Time and step number before the last step.
+    before: (f64, usize),
     /// Name of the present time in tables.
     pub(crate) time_name: String,
 }
@@ -113,6 +115,7 @@ impl Worker {
             functions,
             derived: Derivations::default(),
             report: Report::default(),
+            before: (0.0, 0),
             time_name: String::new(),
         }
     }
@@ -156,14 +159,19 @@ impl Worker {
     fn execute(&mut self, order: Order) -> Result<Answer, StepError> {
         match order {
             Order::Step(dt) => {
-                let result = self.flow_mut().step(dt);
+                let flow = self.flow_mut();
+                let before = (flow.state.time, flow.state.step);
+                let result = flow.step(dt);
+                self.before = before;
                 let report = self.agree(result)?;
                 self.report = report;
                 Ok(Answer::Stepped(Box::new(report)))
             }
             Order::Rollback => {
+                let (time, step) = self.before;
                 let flow = self.flow_mut();
                 flow.rollback();
+                (flow.state.time, flow.state.step) = (time, step);
                 Ok(Answer::Done)
             }
             Order::Derive => {

@@ -6,9 +6,11 @@ use std::path::PathBuf;
 /// Granular and generalised Newtonian flow on OpenFOAM cases.
 #[derive(Debug, Parser)]
 #[command(name = "granflow", version, about, max_term_width = 100, disable_help_subcommand = true)]
-#[command(after_help = "Exit codes: 0 done, 2 bad input (nothing changed), 3 the computation failed \
+#[command(
+    after_help = "Exit codes: 0 done, 2 bad input (nothing changed), 3 the computation failed \
     (state kept), 4 the machine failed (disk full, no permission), 130/143 stopped by a signal \
-    after writing.")]
+    after writing."
+)]
 pub struct Args {
     /// Print nothing but errors
     #[arg(short, long, global = true)]

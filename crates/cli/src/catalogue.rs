@@ -18,7 +18,8 @@ impl Builtin {
     }
     /// One line: the title of its README.
     pub(crate) fn summary(&self) -> String {
-        let title = self.text("README.md").and_then(|t| t.lines().find_map(|l| l.strip_prefix("# ")));
+        let title =
+            self.text("README.md").and_then(|t| t.lines().find_map(|l| l.strip_prefix("# ")));
         title.unwrap_or("no description").trim().trim_end_matches('.').to_owned()
     }
     /// The literature it is compared with: the README's line that starts with `Reference:`.
@@ -69,8 +70,9 @@ mod tests {
 
     #[test]
     fn title_and_reference_come_from_the_readme() {
-        let readme = b"# A cell of two rings.\n\ntext\n\nReference: A. Author,\nJ. Grains 1 (2000) 1.\n\nmore";
-        let case = Builtin { name: "x", files: &[("README.md", readme)] };
+        static README: &[u8] = b"# A cell of two rings.\n\ntext\n\nReference: A. Author,\nJ. Grains 1 (2000) 1.\n\nmore";
+        static FILES: &[(&str, &[u8])] = &[("README.md", README)];
+        let case = Builtin { name: "x", files: FILES };
         assert_eq!(case.summary(), "A cell of two rings");
         assert_eq!(case.reference(), "A. Author, J. Grains 1 (2000) 1");
     }

@@ -41,7 +41,12 @@ const FAULT: i32 = 70;
 /// other threads may wait for the one that panicked.
 fn apologise_for_panics() {
     std::panic::set_hook(Box::new(|info| {
-        let what = info.payload_as_str().unwrap_or("no message");
+        let payload = info.payload();
+        let what = payload
+            .downcast_ref::<&str>()
+            .copied()
+            .or_else(|| payload.downcast_ref::<String>().map(String::as_str))
+            .unwrap_or("no message");
         let place = info.location().map(|l| format!(" at {}:{}", l.file(), l.line()));
         output::complain(&format!(
             "granflow {} has met a mistake of its own and had to stop, sorry: {what}{}\n\

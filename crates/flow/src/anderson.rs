@@ -102,9 +102,9 @@ impl Anderson {
         let mut gram = [[0.0; MOST]; MOST];
         let mut rhs = [0.0; MOST];
         for i in 0..m {
-            for j in 0..=i {
-                gram[i][j] = exec.dot(&self.df[i][..n], &self.df[j][..n]);
-                gram[j][i] = gram[i][j];
+            for (j, other) in self.df.iter().enumerate().take(i + 1) {
+                let product = exec.dot(&self.df[i][..n], &other[..n]);
+                (gram[i][j], gram[j][i]) = (product, product);
             }
             rhs[i] = exec.dot(&self.df[i][..n], &self.f_last[..n]);
         }

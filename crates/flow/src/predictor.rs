@@ -52,7 +52,6 @@ impl Flow {
     pub(crate) fn predict_velocity(&mut self, dt: f64, last: bool) -> Result<Solved, StepError> {
         let time = self.state.time;
         let failed = |source| StepError::Solve { field: "U", time, source };
-        let n = self.mesh.n_cells;
         {
             let Flow { exec, state, numerics, work: w, .. } = self;
             let solve = &mut numerics.u;
@@ -87,7 +86,6 @@ impl Flow {
                 break;
             }
         }
-        debug_assert!(self.work.residual.len() == n);
         Ok(done)
     }
 
@@ -151,7 +149,7 @@ impl Flow {
                 (h[i][j], h[i + 1][j]) = (cs[i] * a + sn[i] * b, cs[i] * b - sn[i] * a);
             }
             let d = h[j][j].hypot(length);
-            if !(d > 0.0) || !d.is_finite() {
+            if d.is_nan() || d <= 0.0 || d.is_infinite() {
                 break;
             }
             (cs[j], sn[j]) = (h[j][j] / d, length / d);

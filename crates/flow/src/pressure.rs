@@ -115,8 +115,8 @@ impl Flow {
             out.iter_mut().enumerate().for_each(|(i, s)| *s = shift * compliance[first + i]);
         });
         w.p_prime.cells.data.fill(0.0);
-        let equation = sp(&w.compliance) - laplacian(&w.r_a_f) + div_explicit(&w.phi_star)
-            - source(&w.level);
+        let equation =
+            sp(&w.compliance) - laplacian(&w.r_a_f) + div_explicit(&w.phi_star) - source(&w.level);
         w.p_eqn.assemble(exec, mesh, &w.p_prime, &equation)?;
         let failed = |source| StepError::Solve { field: "p", time, source };
         numerics.p.solver.refresh(exec, &w.p_eqn.a).map_err(failed)?;
@@ -192,7 +192,11 @@ impl Flow {
 /// The shift of the whole pressure that balances what leaks through the boundaries that fix it.
 /// Compression says nothing about a uniform pressure, so `1/(2 eta)` must not hold it back. Only
 /// the viscous share counts: what inertia holds back, the correction before has dealt with.
-fn level_shift(exec: &granflow_par::Exec, mesh: &granflow_mesh::Mesh, w: &crate::work::Work) -> f64 {
+fn level_shift(
+    exec: &granflow_par::Exec,
+    mesh: &granflow_mesh::Mesh,
+    w: &crate::work::Work,
+) -> f64 {
     let (inner, faces) = (mesh.n_inner, mesh.n_faces());
     let mut sums = [0.0; 3];
     for f in inner..faces {

@@ -2,7 +2,7 @@
 //! viscosity until the residuals of one and the same state are small, then the report.
 
 use crate::work::Work;
-use crate::{Fluid, Gravity, Numerics, Report, Residuals, State, StepError};
+use crate::{Fluid, Gravity, Numerics, Report, State, StepError};
 use granflow_base::norm;
 use granflow_linsolve::Solved;
 use granflow_mesh::Mesh;
@@ -110,16 +110,6 @@ impl Flow {
         if settled || last {
             report.residuals.u = self.momentum_residual();
             report.residuals.p = self.continuity_residual();
-        }
-        if std::env::var("TRACE").is_ok() {
-            #[allow(clippy::print_stderr)]
-            {
-                let (a, b) = (self.momentum_residual(), self.continuity_residual());
-                eprintln!(
-                    "t {:.3e} visc {:.3e} U {a:.3e} p {b:.3e} settled {settled}",
-                    self.state.time, report.residuals.viscosity
-                );
-            }
         }
         Ok(settled && report.residuals.within(&self.numerics.control))
     }

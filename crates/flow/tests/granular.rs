@@ -70,7 +70,9 @@ fn annular_cell_meets_the_reference() {
     let p = 1000.0;
     let v = 2.9256998922e-3 * (p / BEADS.rho_s).sqrt();
     let mut errors = Vec::new();
-    for (nr, most, most_mu) in [(32, 2e-3, 2e-3), (64, 4e-4, 3e-4), (128, 1.2e-4, 1e-4), (256, 4e-5, 3e-5)] {
+    for (nr, most, most_mu) in
+        [(32, 2e-3, 2e-3), (64, 4e-4, 3e-4), (128, 1.2e-4, 1e-4), (256, 4e-5, 3e-5)]
+    {
         let mut flow = annular(nr, v, p, Form::Steady, |_| 0.0, 60);
         let report = run(&mut flow, 1e6, 2);
         let e = error(&flow, &rows, v);
@@ -178,7 +180,8 @@ fn vertical_chute() {
 #[test]
 fn any_start_any_speed_any_step() {
     let p = 1000.0;
-    let starts: [(&str, fn(f64) -> f64); 4] = [
+    type Profile = fn(f64) -> f64;
+    let starts: [(&str, Profile); 4] = [
         ("rest", |_| 0.0),
         ("rigid", |r| r / RI),
         ("linear", |r| (RO - r) / (RO - RI)),

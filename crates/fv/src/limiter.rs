@@ -53,9 +53,9 @@ limiters! {
     /// Roe (1985).
     SuperBee = "SuperBee" => |_k, r| (2.0 * r).min(1.0).max(r.min(2.0)).max(0.0);
     /// Monotonised central: van Leer (1977).
-    Muscl = "MUSCL" => |_k, r| (2.0 * r).min(0.5 * r + 0.5).min(2.0).max(0.0);
+    Muscl = "MUSCL" => |_k, r| (2.0 * r).min(0.5 * r + 0.5).clamp(0.0, 2.0);
     /// QUICK (Leonard 1979) kept within the bounds of total variation diminishing schemes.
-    Quick = "QUICK" => |_k, r| (2.0 * r).min(0.25 * r + 0.75).min(2.0).max(0.0);
+    Quick = "QUICK" => |_k, r| (2.0 * r).min(0.25 * r + 0.75).clamp(0.0, 2.0);
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ mod locate;
 mod probes;
 mod quantity;
 mod residuals;
-mod schedule;
+pub(crate) mod schedule;
 mod sets;
 mod track;
 
@@ -85,12 +85,7 @@ pub struct Entry {
 
 /// Every function.
 pub const ALL: &[Entry] = &[
-    probes::ENTRY,
-    sets::ENTRY,
-    sets::ENTRY_PROFILE,
-    forces::ENTRY,
     residuals::ENTRY,
-    field_min_max::ENTRY,
 ];
 
 /// Names that OpenFOAM's cases write for the same things.

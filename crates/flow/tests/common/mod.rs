@@ -1,5 +1,5 @@
 //! Flows built by hand: meshes, materials and numerics for the tests of this crate.
-#![allow(dead_code)]
+#![allow(dead_code, unreachable_pub)]
 
 use granflow_base::{Dims, Vec3};
 use granflow_flow::*;
@@ -24,6 +24,11 @@ pub fn solver<T: granflow_base::Value>(name: &str, precond: &str) -> Box<dyn Lin
 
 pub fn tight() -> Tolerance {
     Tolerance { abs: 1e-14, rel: 1e-13, max_iter: 1000 }
+}
+
+/// A system's solver by name, solved tightly.
+pub fn solve<T: granflow_base::Value>(name: &str, precond: &str) -> Solve<T> {
+    Solve { solver: solver(name, precond), tolerance: tight(), last: tight() }
 }
 
 pub fn numerics(outer: usize, correctors: usize) -> Numerics {
@@ -78,9 +83,13 @@ pub struct Setup {
 
 impl Setup {
     pub fn new(poly: &PolyMesh, numerics: Numerics) -> Self {
-        let mesh = Arc::new(Mesh::new(poly).expect("a sound mesh"));
+        Setup::on(Exec::serial(), Mesh::new(poly).expect("a sound mesh"), numerics)
+    }
+    /// On a mesh that may be one rank's part, by the team `exec`.
+    pub fn on(exec: Exec, mesh: Mesh, numerics: Numerics) -> Self {
+        let mesh = Arc::new(mesh);
         Setup {
-            exec: Exec::serial(),
+            exec,
             u0: vec![[0.0; 3]; mesh.n_cells],
             mesh,
             gravity: Gravity::default(),
@@ -130,6 +139,38 @@ pub fn pressure(p: f64) -> Box<dyn Condition<f64>> {
 }
 pub fn local<L: granflow_physics::LocalLaw + 'static>(law: L) -> Box<dyn Rheology> {
     Box::new(Local(Box::new(law)))
+}
+
+/// A wall that turns about the z axis with its face points at speed `v` at radius `r`.
+pub fn turning(v: f64, r: f64) -> Box<dyn Condition<Vec3>> {
+    let omega = granflow_fv::conditions::TimeTable::constant(v / r);
+    let axis = [0.0, 0.0, 1.0];
+    Box::new(granflow_fv::conditions::RotatingWall { origin: [0.0; 3], axis, omega })
+}
+
+/// Greatest of `f(c)` over the cells.
+pub fn greatest(mesh: &Mesh, f: impl Fn(usize) -> f64) -> f64 {
+    (0..mesh.n_cells).map(f).fold(0.0, f64::max)
+}
+
+/// Root mean square of `f(c)` over the volume.
+pub fn rms(mesh: &Mesh, f: impl Fn(usize) -> f64) -> f64 {
+    let (mut sum, mut all) = (0.0, 0.0);
+    for c in 0..mesh.n_cells {
+        sum += mesh.volume[c] * f(c).powi(2);
+        all += mesh.volume[c];
+    }
+    (sum / all).sqrt()
+}
+
+/// Numbers with two digits, for messages.
+pub fn short(x: &[f64]) -> String {
+    x.iter().map(|x| format!("{x:.1e}")).collect::<Vec<_>>().join(" ")
+}
+
+/// Observed order of successive errors when the mesh is refined twofold each time.
+pub fn orders(errors: &[f64]) -> Vec<f64> {
+    errors.windows(2).map(|e| (e[0] / e[1]).log2()).collect()
 }
 
 /// Columns of a reference file of `cases/`, rows of numbers, `#` comments and header skipped.

@@ -11,6 +11,7 @@
 
 mod basic;
 mod flow_direction;
+mod local_fluidity;
 mod pressure;
 mod registry;
 mod rotating;
@@ -19,6 +20,7 @@ mod table;
 
 pub use basic::{FixedGradient, FixedValue, ZeroGradient};
 pub use flow_direction::InletOutlet;
+pub use local_fluidity::LocalFluidity;
 pub use pressure::{FixedFluxPressure, PrghPressure};
 pub use registry::{ALL, Entry, PatchContext, read_scalar, read_vector};
 pub use rotating::RotatingWall;

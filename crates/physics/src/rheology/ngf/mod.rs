@@ -15,29 +15,23 @@
 //!
 //! `t0 Dg/Dt = A^2 d^2 lap g - dmu (mu_s - mu)/(mu_2 - mu) g - b sqrt(rho_s d^2/P) mu g^2`, b = dmu/I0.
 
+mod law;
+mod spread;
+
+pub use law::{Form, Law};
+
+use self::law::Local;
+use self::spread::InnerFit;
 use super::{Entry, FlowView, FluidContext, Granular, Rheology, RheologyError, RheologyInfo};
-use granflow_base::{Dims, Tensor, Value, Vec3, apply, dot, inverse_symmetric, sub};
+use granflow_base::Dims;
 use granflow_dict::Reader;
 use granflow_fv::conditions::ZeroGradient;
 use granflow_fv::{
-    CellField, Condition, Differentiable, Equation, FaceField, Surroundings, Terms, Unknown, div,
-    laplacian,
+    CellField, Condition, Equation, FaceField, Surroundings, Terms, Unknown, div, laplacian,
 };
 use granflow_linsolve::{Csr, LinearSolver, SolveError, Tolerance};
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
-
-/// Which equation the fluidity obeys.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Form {
-    /// Paper eq. 3: the steady state's linearisation about the flowing root.
-    Steady,
-    /// Henann & Kamrin (2014), with its relaxation time t0 in seconds.
-    Primitive {
-        /// Relaxation time, s.
-        t0: f64,
-    },
-}
 
 /// How the fluidity equation is solved.
 pub struct NgfNumerics {
@@ -47,17 +41,6 @@ pub struct NgfNumerics {
     pub tolerance: Tolerance,
     /// Newton iterations stop at this residual: greatest imbalance of a cell over its terms.
     pub residual: f64,
-}
-
-/// The parameters of the model.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Law {
-    /// The grains.
-    pub grains: Granular,
-    /// Nonlocal amplitude.
-    pub a: f64,
-    /// Form of the equation.
-    pub form: Form,
 }
 
 /// The nonlocal granular fluidity.
@@ -98,76 +81,6 @@ pub(super) const ENTRY: Entry = Entry {
                 Phys. Rev. Lett. 113 (2014) 178001",
     read: |r, context| Box::new(Ngf::read(r, context)),
 };
-
-/// The local part of the equation in one cell: `k(g)` per volume, its derivative, and the size of
-/// the terms it is made of.
-#[derive(Clone, Copy, Debug, Default)]
-struct Local {
-    k: f64,
-    slope: f64,
-    size: f64,
-    /// Imbalance of the whole equation over the size of its terms.
-    imbalance: f64,
-}
-
-impl Law {
-    /// The mean of the local part over a cell in which mu varies by `mu (1 +- sqrt(3) spread)`: two
-    /// Gauss points. Point values would be 1 % wrong with four cells a grain where yield starts,
-    /// since the source grows like (mu - mu_s)^2.
-    fn cell_mean(&self, g: f64, g_old: f64, rate: f64, spread: f64, r: f64, dt: f64) -> Local {
-        if spread == 0.0 {
-            return self.local_terms(g, g_old, rate, r, dt);
-        }
-        let low = self.local_terms(g, g_old, rate * (1.0 - spread), r, dt);
-        let high = self.local_terms(g, g_old, rate * (1.0 + spread), r, dt);
-        Local {
-            k: 0.5 * (low.k + high.k),
-            slope: 0.5 * (low.slope + high.slope),
-            size: 0.5 * (low.size + high.size),
-            imbalance: 0.0,
-        }
-    }
-
-    /// The local part of the equation divided by (A d)^2 at frozen strain rate, where mu = rate/g:
-    ///
-    /// steady:    `k = q (g - g_loc)`
-    /// primitive: `k = [t0 (g - g_old)/dt + dmu (mu_s - mu)/(mu_2 - mu) g + b mu g^2/R]/(A d)^2`
-    ///
-    /// with `R = sqrt(P/rho_s)/d`.
-    fn local_terms(&self, g: f64, g_old: f64, rate: f64, r: f64, dt: f64) -> Local {
-        let Granular { mu_s, mu_2, i0, d, .. } = self.grains;
-        let dmu = mu_2 - mu_s;
-        let scale = 1.0 / (self.a * d).powi(2);
-        let mu = rate / g;
-        // Iterates keep mu below mu_2; the floor only guards the last digits there.
-        let w = (mu_2 - mu).max(1e-12 * mu_2);
-        let x = mu - mu_s;
-        let (k, slope, size) = match self.form {
-            Form::Steady => {
-                let sink = dmu * x.abs() * g / w;
-                let sink_slope = dmu * (x.abs() / w - mu * (x.signum() / w + x.abs() / (w * w)));
-                let xp = x.max(0.0);
-                let h = xp * xp / (mu * w * w);
-                let h_slope = 2.0 * xp / (mu * w * w) - h / mu + 2.0 * h / w;
-                let source = dmu * i0 * r * h;
-                let source_slope = -dmu * i0 * r * h_slope * mu / g;
-                (sink - source, sink_slope - source_slope, sink + source)
-            }
-            Form::Primitive { t0 } => {
-                let memory = t0 / dt;
-                let growth = dmu * x * g / w;
-                let growth_slope = dmu * (x / w - mu * (1.0 / w + x / (w * w)));
-                let damping = dmu / i0 * rate / r;
-                (
-                    memory * (g - g_old) - growth + damping * g,
-                    memory - growth_slope + damping,
-                    memory * (g + g_old) + growth.abs() + damping * g,
-                )
-            }
-        };
-        Local { k: scale * k, slope: scale * slope, size: scale * size, imbalance: 0.0 }
-    }
-}
 
 /// What the balance of the equation reads besides the fluidity itself.
 struct Balance<'a> {
@@ -402,33 +315,25 @@ impl Ngf {
         Ok(info)
     }
 
-    /// Standard deviation of mu within each cell over its mean: `sum_f (grad mu . (x_f - x))^2 / 6`
-    /// is the variance of a linear function over a brick.
+    /// The spread of mu within each cell, where the stress is known.
     fn measure_spread(&mut self, v: &FlowView<'_>) {
         let Some(stress) = v.stress else {
+            let (rate, local, grains) = (&self.rate, &self.local, self.law.grains);
+            v.exec.for_each(&mut self.mu[..v.mesh.n_cells], |first, mu| {
+                for (i, mu) in mu.iter_mut().enumerate() {
+                    *mu = grains.mu(rate[first + i] / local[first + i]);
+                }
+            });
             return self.spread.fill(0.0);
         };
-        let (n, mesh, loose) = (v.mesh.n_cells, v.mesh, self.law.grains.loose());
-        v.exec.for_each(&mut self.mu[..n], |first, mu| {
+        let (pressure, loose) = (v.pressure, self.law.grains.loose());
+        v.exec.for_each(&mut self.mu[..v.mesh.n_cells], |first, mu| {
             for (i, mu) in mu.iter_mut().enumerate() {
-                *mu = stress[first + i] / v.pressure[first + i].max(loose);
+                *mu = stress[first + i] / pressure[first + i].max(loose);
             }
         });
-        mesh.halo.update(v.exec, &mut self.mu);
-        let (mu, fit) = (&self.mu, &self.fit);
-        v.exec.for_each(&mut self.spread, |first, out| {
-            for (i, spread) in out.iter_mut().enumerate() {
-                let c = first + i;
-                let gradient = fit.gradient(mesh, mu, c);
-                let mut variance = 0.0;
-                for (f, _) in mesh.faces_of(c) {
-                    let arm = sub(mesh.face_centre[f], mesh.cell_centre[c]);
-                    variance += dot(gradient, arm).powi(2) / 6.0;
-                }
-                let most = MOST_SPREAD * mu[c];
-                *spread = if mu[c] > 0.0 { variance.sqrt().min(most) / mu[c] } else { 0.0 };
-            }
-        });
+        v.mesh.halo.update(v.exec, &mut self.mu);
+        self.fit.spread(v.exec, v.mesh, &self.mu, &mut self.spread);
     }
 
     /// The linear part of the equation with the conditions of g, and the local rates.
@@ -445,6 +350,11 @@ impl Ngf {
             }
         });
         self.measure_spread(v);
+        let (law, mu, local) = (self.law, &self.mu, &self.local);
+        v.exec.for_each(&mut self.trial[..n], |first, g| {
+            let each = g.iter_mut().enumerate();
+            each.for_each(|(i, g)| *g = law.g_loc(mu[first + i], local[first + i]));
+        });
         let around = Surroundings {
             time: v.time,
             local_fluidity: &self.trial[..n],
@@ -497,38 +407,6 @@ const MOST_NEWTON: usize = 200;
 const AT_REST: f64 = 1e-20;
 /// Inertial number of the first guess: quasi-static, within a few decades of what flows.
 const FIRST_GUESS: f64 = 1e-4;
-/// Greatest relative spread of mu within a cell; beyond it the cell is coarser than the flow.
-const MOST_SPREAD: f64 = 0.5;
-
-/// Gradients from inner neighbours only (least squares): nothing is known of mu on the boundary.
-struct InnerFit {
-    inverse: Vec<Tensor>,
-}
-
-impl InnerFit {
-    fn new(mesh: &Mesh) -> Self {
-        let one = |c: usize| {
-            let mut m = [0.0; 9];
-            for (f, _) in mesh.faces_of(c).filter(|(f, _)| *f < mesh.n_inner) {
-                let d = mesh.delta[f];
-                m = m.axpy(1.0 / dot(d, d), Vec3::dyad(d, d));
-            }
-            // A direction without neighbours gets no gradient.
-            (0..3).for_each(|k| m[4 * k] += 1e-6);
-            inverse_symmetric(&m)
-        };
-        InnerFit { inverse: (0..mesh.n_cells).map(one).collect() }
-    }
-    fn gradient(&self, mesh: &Mesh, x: &[f64], c: usize) -> Vec3 {
-        let mut sum = [0.0; 3];
-        for (f, s) in mesh.faces_of(c).filter(|(f, _)| *f < mesh.n_inner) {
-            let other = if s > 0.0 { mesh.neighbour[f] } else { mesh.owner[f] } as usize;
-            let d = mesh.delta[f];
-            sum = sum.axpy(s * (x[other] - x[c]) / dot(d, d), d);
-        }
-        apply(&self.inverse[c], sum)
-    }
-}
 
 impl Rheology for Ngf {
     fn update(

@@ -1,0 +1,103 @@
+//! `granflow init`: `0.orig` becomes `0`.
+
+use super::need_case;
+use crate::args::Place;
+use crate::failure::Failure;
+use crate::session::Session;
+use crate::text::count;
+use granflow_case::store::{DirWriter, list_times};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Runs the command.
+///
+/// # Errors
+/// [`Failure`].
+pub(crate) fn command(session: &mut Session, args: &Place) -> Result<(), Failure> {
+    let root = &args.case;
+    need_case(root)?;
+    if !root.join(ORIG).is_dir() {
+        let message = format!("the case has no directory `{ORIG}` to make `0` of");
+        return Err(Failure::refused(message, "write the fields to `0` directly"));
+    }
+    if root.join("0").exists() {
+        let message = "`0` exists already: nothing was changed";
+        return Err(Failure::refused(message, format!("remove it to make it anew from `{ORIG}`")));
+    }
+    if root.join("system/setFieldsDict").is_file() {
+        let message = "system/setFieldsDict is not supported yet";
+        return Err(Failure::refused(message, "remove it, and give the fields in `0.orig`"));
+    }
+    let n = copy(root)?;
+    session.out.say(&format!("{} from {ORIG} in {}", count(n, "file"), root.join("0").display()));
+    Ok(())
+}
+
+const ORIG: &str = "0.orig";
+
+/// `0`, made for a case that has no time directory; taken back unless it is [kept](Self::keep).
+/// So a case with mistakes is left as it was.
+pub(crate) struct Initial {
+    made: Option<PathBuf>,
+}
+
+impl Initial {
+    /// Makes `0` from `0.orig` where the case has that and no time directory.
+    ///
+    /// # Errors
+    /// The disk refuses.
+    pub(crate) fn prepare(root: &Path) -> Result<Initial, Failure> {
+        if !root.join(ORIG).is_dir() || !list_times(root)?.is_empty() {
+            return Ok(Initial { made: None });
+        }
+        copy(root)?;
+        Ok(Initial { made: Some(root.join("0")) })
+    }
+    /// The case is sound: `0` stays. Says whether it was made.
+    pub(crate) fn keep(mut self) -> bool {
+        self.made.take().is_some()
+    }
+}
+
+impl Drop for Initial {
+    fn drop(&mut self) {
+        if let Some(dir) = self.made.take() {
+            // What cannot be removed is what `granflow init` would have made.
+            let _ = fs::remove_dir_all(dir);
+        }
+    }
+}
+
+/// Copies `0.orig` to `0`, whole or not at all; returns the number of files.
+fn copy(root: &Path) -> Result<usize, Failure> {
+    let orig = root.join(ORIG);
+    let mut files = Vec::new();
+    collect(&orig, Path::new(""), &mut files).map_err(|e| unreadable(&orig, &e))?;
+    let mut writer = DirWriter::begin(&root.join("0"))?;
+    for rel in &files {
+        let path = orig.join(rel);
+        let bytes = fs::read(&path).map_err(|e| unreadable(&path, &e))?;
+        writer.file_plain(rel, &bytes)?;
+    }
+    writer.commit()?;
+    Ok(files.len())
+}
+
+fn unreadable(path: &Path, e: &io::Error) -> Failure {
+    Failure::Refused { message: format!("cannot read {}: {e}", path.display()), help: None }
+}
+
+fn collect(dir: &Path, rel: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
+    let mut entries = fs::read_dir(dir.join(rel))?.collect::<io::Result<Vec<_>>>()?;
+    entries.sort_by_key(fs::DirEntry::file_name);
+    for entry in entries {
+        let path = rel.join(entry.file_name());
+        if dir.join(&path).is_dir() {
+            collect(dir, &path, files)?;
+        } else {
+            files.push(path);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,265 @@
+//! `granflow list`: what can be written in a case, from the registries.
+
+use crate::args::{List, Listing};
+use crate::catalogue;
+use crate::failure::Failure;
+use crate::session::Session;
+use crate::text::wrap;
+use granflow_physics::rheology;
+use serde_json::{Map, Value};
+
+/// One thing that can be written.
+struct Item {
+    name: String,
+    /// What the name stands for where a list holds several kinds (solver, preconditioner).
+    kind: Option<String>,
+    summary: String,
+    formula: Option<String>,
+    reference: String,
+    mapped_onto: Option<String>,
+}
+
+impl Item {
+    fn new(name: &str, summary: &str, reference: &str) -> Item {
+        Item {
+            name: name.into(),
+            kind: None,
+            summary: summary.into(),
+            formula: None,
+            reference: reference.into(),
+            mapped_onto: None,
+        }
+    }
+    fn json(&self) -> Map<String, Value> {
+        let mut object = Map::new();
+        let mut put = |key: &str, value: Option<&str>| {
+            if let Some(v) = value {
+                object.insert(key.to_owned(), v.into());
+            }
+        };
+        put("name", Some(&self.name));
+        put("kind", self.kind.as_deref());
+        put("summary", Some(&self.summary));
+        put("formula", self.formula.as_deref());
+        put("mapped_onto", self.mapped_onto.as_deref());
+        put("reference", Some(&self.reference));
+        object
+    }
+}
+
+const EVERYTHING: [Listing; 6] = [
+    Listing::Rheologies,
+    Listing::Conditions,
+    Listing::Schemes,
+    Listing::Solvers,
+    Listing::Functions,
+    Listing::Cases,
+];
+
+/// Where the words go.
+fn title(what: Listing) -> (&'static str, &'static str) {
+    match what {
+        Listing::Rheologies => ("rheologies", "transportModel in constant/transportProperties"),
+        Listing::Conditions => ("conditions", "type of a patch in a field file"),
+        Listing::Schemes => ("schemes", "words of system/fvSchemes"),
+        Listing::Solvers => ("solvers", "solver, preconditioner, smoother in system/fvSolution"),
+        Listing::Functions => ("functions", "type of a function in system/controlDict"),
+        Listing::Cases => ("cases", "built in: granflow new NAME"),
+    }
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`Failure`].
+pub(crate) fn command(session: &mut Session, args: &List) -> Result<(), Failure> {
+    let which = args.what.map_or(EVERYTHING.to_vec(), |w| vec![w]);
+    if args.json {
+        let mut all = Vec::new();
+        for what in &which {
+            for item in items(*what) {
+                let mut object = item.json();
+                if args.what.is_none() {
+                    object.insert("list".into(), title(*what).0.into());
+                }
+                all.push(Value::Object(object));
+            }
+        }
+        session.out.print(&format!("{:#}", Value::Array(all)));
+        return Ok(());
+    }
+    for (i, what) in which.iter().enumerate() {
+        if i > 0 {
+            session.out.print("");
+        }
+        let (name, place) = title(*what);
+        session.out.print(&format!("{name} ({place})"));
+        print(session, &items(*what));
+    }
+    Ok(())
+}
+
+fn print(session: &mut Session, items: &[Item]) {
+    if items.is_empty() {
+        session.out.print("  none");
+    }
+    let width = items.iter().map(|i| i.name.len()).max().unwrap_or(0);
+    let mut kind = None;
+    for item in items {
+        if item.kind != kind {
+            kind.clone_from(&item.kind);
+            session.out.print(&format!(" {}", kind.as_deref().unwrap_or("")));
+        }
+        let room = 96_usize.saturating_sub(width + 4).max(30);
+        let mut body = wrap(&item.summary, width + 4, room);
+        for more in [item.formula.as_deref(), Some(item.reference.as_str())].into_iter().flatten() {
+            body += "\n";
+            body += &wrap(more, width + 6, room - 2);
+        }
+        let first = body.get(width + 4..).unwrap_or("");
+        session.out.print(&format!("  {:width$}  {first}", item.name));
+    }
+}
+
+fn items(what: Listing) -> Vec<Item> {
+    match what {
+        Listing::Rheologies => rheology::ALL
+            .iter()
+            .map(|e| Item {
+                formula: Some(e.formula.into()),
+                ..Item::new(e.name, e.summary, e.reference)
+            })
+            .collect(),
+        Listing::Conditions => granflow_fv::conditions::ALL
+            .iter()
+            .map(|e| Item::new(e.name, e.summary, e.reference))
+            .collect(),
+        Listing::Schemes => schemes(),
+        Listing::Solvers => granflow_linsolve::ALL
+            .iter()
+            .map(|e| Item {
+                kind: Some(e.kind.to_string()),
+                mapped_onto: e.mapped_onto.map(Into::into),
+                ..Item::new(e.name, e.summary, e.reference)
+            })
+            .collect(),
+        Listing::Functions => granflow_case::functions::ALL
+            .iter()
+            .map(|e| Item::new(e.name, e.summary, e.reference))
+            .collect(),
+        Listing::Cases => {
+            catalogue::ALL.iter().map(|c| Item::new(c.name, &c.summary(), &c.reference())).collect()
+        }
+    }
+}
+
+/// Kind, name, summary, reference. The limiters' names come from `fv`; a test keeps this table
+/// complete.
+const SCHEMES: &[(&str, &str, &str, &str)] = &[
+    ("time", "Euler", "implicit, first order", HIRSCH),
+    (
+        "time",
+        "backward",
+        "differences over two steps, second order",
+        "C. W. Gear, Numerical Initial Value Problems in Ordinary Differential Equations, 1971",
+    ),
+    ("gradient", "Gauss", "Gauss's theorem with linear interpolation, `Gauss linear`", FERZIGER),
+    (
+        "gradient",
+        "leastSquares",
+        "least squares weighted with the distance",
+        "T. J. Barth, D. C. Jespersen, AIAA 89-0366 (1989)",
+    ),
+    ("convection", "upwind", "the upwind cell's value, first order, bounded", FERZIGER),
+    ("convection", "linear", "central, second order, unbounded", FERZIGER),
+    (
+        "convection",
+        "linearUpwind",
+        "upwind with the upwind cell's gradient, second order",
+        "R. F. Warming, R. M. Beam, AIAA J. 14 (1976) 1241",
+    ),
+    ("convection", "limitedLinear", "central limited towards upwind, `limitedLinear 1`", SWEBY),
+    (
+        "convection",
+        "vanLeer",
+        "van Leer's harmonic limiter",
+        "B. van Leer, J. Comput. Phys. 14 (1974) 361",
+    ),
+    (
+        "convection",
+        "vanAlbada",
+        "van Albada's smooth limiter",
+        "G. D. van Albada, B. van Leer, W. W. Roberts, Astron. Astrophys. 108 (1982) 76",
+    ),
+    (
+        "convection",
+        "Minmod",
+        "the most diffusive second-order limiter",
+        "P. L. Roe, Annu. Rev. Fluid Mech. 18 (1986) 337",
+    ),
+    (
+        "convection",
+        "SuperBee",
+        "the most compressive second-order limiter",
+        "P. L. Roe, in Lectures in Applied Mathematics 22 (1985) 163",
+    ),
+    (
+        "convection",
+        "MUSCL",
+        "van Leer's monotonised central limiter",
+        "B. van Leer, J. Comput. Phys. 32 (1979) 101",
+    ),
+    (
+        "convection",
+        "QUICK",
+        "quadratic upwind, limited",
+        "B. P. Leonard, Comput. Methods Appl. Mech. Eng. 19 (1979) 59",
+    ),
+    ("correction", "corrected", "full non-orthogonal correction of the normal gradient", JASAK),
+    ("correction", "limited", "the given part of the correction, `limited 0.5`", JASAK),
+    ("correction", "uncorrected", "no non-orthogonal correction", JASAK),
+    ("correction", "orthogonal", "no non-orthogonal correction", JASAK),
+];
+const HIRSCH: &str = "C. Hirsch, Numerical Computation of Internal and External Flows, 1988";
+const FERZIGER: &str = "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 4";
+const SWEBY: &str = "P. K. Sweby, SIAM J. Numer. Anal. 21 (1984) 995";
+const JASAK: &str = "H. Jasak, PhD thesis, Imperial College 1996, ch. 3.3";
+
+fn schemes() -> Vec<Item> {
+    let one = |(kind, name, summary, reference): &(&str, &str, &str, &str)| Item {
+        kind: Some((*kind).into()),
+        ..Item::new(name, summary, reference)
+    };
+    SCHEMES.iter().map(one).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granflow_fv::{Convection, LimiterKind};
+
+    #[test]
+    fn every_convection_scheme_is_listed_and_nothing_else() {
+        let mut listed: Vec<&str> =
+            SCHEMES.iter().filter(|s| s.0 == "convection").map(|s| s.1).collect();
+        let plain = [Convection::Upwind, Convection::Linear, Convection::LinearUpwind];
+        let mut known: Vec<&str> = plain.iter().map(|c| c.name()).collect();
+        known.extend(LimiterKind::NAMES);
+        listed.sort_unstable();
+        known.sort_unstable();
+        assert_eq!(listed, known);
+    }
+
+    #[test]
+    fn every_item_has_a_summary_and_a_reference_and_a_name_for_a_page() {
+        for what in EVERYTHING {
+            let items = items(what);
+            assert!(!items.is_empty() || what == Listing::Cases, "{what:?}");
+            for i in items {
+                assert!(!i.summary.is_empty() && !i.reference.is_empty(), "{}", i.name);
+                assert!(!i.name.contains(['/', '\\', ' ']), "{}", i.name);
+                assert!(!i.summary.ends_with('.') && !i.reference.ends_with('.'), "{}", i.name);
+            }
+        }
+    }
+}

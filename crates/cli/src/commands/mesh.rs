@@ -1,0 +1,22 @@
+//! `granflow mesh`: `system/blockMeshDict` becomes `constant/polyMesh`.
+
+use super::need_case;
+use crate::args::Place;
+use crate::failure::Failure;
+use crate::session::Session;
+use granflow_case::meshing;
+use granflow_mesh::check::check;
+
+/// Runs the command.
+///
+/// # Errors
+/// [`Failure`].
+pub(crate) fn command(session: &mut Session, args: &Place) -> Result<(), Failure> {
+    need_case(&args.case)?;
+    let poly = meshing::make(&args.case, &session.sink)?;
+    session.speak_up();
+    session.out.say(&check(&poly).to_string());
+    let place = args.case.join(meshing::POLY_MESH);
+    session.out.say(&format!("written to {}", place.display()));
+    Ok(())
+}

@@ -1,0 +1,29 @@
+//! One file a command: `command(session, arguments)` does it.
+
+pub(crate) mod check;
+pub(crate) mod init;
+pub(crate) mod list;
+pub(crate) mod mesh;
+pub(crate) mod new;
+pub(crate) mod plot;
+pub(crate) mod run;
+
+use crate::failure::Failure;
+use std::path::Path;
+
+/// Refuses a case directory that is none, before every file in it is reported as missing.
+fn need_case(root: &Path) -> Result<(), Failure> {
+    let shown = root.display();
+    let help = "a case is a directory with `system`, `constant` and `0`; `granflow new NAME` \
+                writes one";
+    if !root.exists() {
+        return Err(Failure::refused(format!("there is no directory `{shown}`"), help));
+    }
+    if !root.is_dir() {
+        return Err(Failure::refused(format!("`{shown}` is a file, not a case directory"), help));
+    }
+    if !root.join("system").is_dir() {
+        return Err(Failure::refused(format!("`{shown}` is no case: it has no `system`"), help));
+    }
+    Ok(())
+}

@@ -1,0 +1,134 @@
+//! How a run shows itself: one line on a terminal, drawn over and over; else a plain line now and
+//! then that a person can read in a file.
+
+use crate::output::Output;
+use crate::text::{duration, number, residual, rounded};
+use granflow_case::StepEvent;
+use granflow_flow::Report;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::time::{Duration, Instant};
+
+/// Least time between two plain lines.
+const PLAIN: Duration = Duration::from_secs(2);
+/// Least time between two drawings of the bar.
+const DRAWN: Duration = Duration::from_millis(100);
+/// Parts of the bar.
+const PARTS: u64 = 1000;
+
+/// The line of a running case.
+pub(crate) struct Progress {
+    bar: Option<ProgressBar>,
+    last: Option<Instant>,
+}
+
+impl Progress {
+    /// A bar where a terminal can show it.
+    pub(crate) fn new(out: &Output) -> Progress {
+        let bar = out.bar().then(|| {
+            let target = ProgressDrawTarget::stderr_with_hz(10);
+            let bar = ProgressBar::with_draw_target(Some(PARTS), target);
+            let template = if out.colour() {
+                "{bar:18.cyan/blue} {percent:>3} %  {wide_msg}"
+            } else {
+                "{bar:18} {percent:>3} %  {wide_msg}"
+            };
+            let style = ProgressStyle::with_template(template)
+                .unwrap_or_else(|_| ProgressStyle::default_bar())
+                .progress_chars("=> ");
+            bar.set_style(style);
+            bar
+        });
+        Progress { bar, last: None }
+    }
+
+    /// Shows a step.
+    pub(crate) fn step(&mut self, out: &mut Output, event: &StepEvent) {
+        if out.quiet() {
+            return;
+        }
+        let since = self.last.map_or(Duration::MAX, |t| t.elapsed());
+        if let Some(bar) = &self.bar {
+            if since >= DRAWN || event.wrote.is_some() {
+                self.last = Some(Instant::now());
+                bar.set_position((event.progress.clamp(0.0, 1.0) * PARTS as f64) as u64);
+                bar.set_message(status(event.step, &event.report, event.left));
+            }
+        } else if since >= PLAIN {
+            self.last = Some(Instant::now());
+            let percent = (100.0 * event.progress.clamp(0.0, 1.0)).floor();
+            let line = status(event.step, &event.report, event.left);
+            let wrote = event.wrote.as_ref().map_or(String::new(), |t| format!("  wrote {t}"));
+            out.print(&format!("{percent:>3} %  {line}{wrote}"));
+        } else if let Some(time) = &event.wrote {
+            // Not a whole line for each when results are written many times a second.
+            self.last = Some(Instant::now());
+            let line = status(event.step, &event.report, None);
+            out.print(&format!("{:>3} %  {line}  wrote {time}", (100.0 * event.progress).floor()));
+        }
+    }
+
+    /// Takes the bar away.
+    pub(crate) fn close(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+/// `t 1.25 s  step 1250  U 2.1e-9  p 3.4e-10  viscosity 8e-9  outer 3  Co 0.12  left 12 s`.
+///
+/// U and p are the residuals of momentum and continuity at the end of the step where it measures
+/// them, else (PISO) those of the linear systems before they were solved.
+pub(crate) fn status(step: usize, r: &Report, left: Option<f64>) -> String {
+    let mut parts = vec![format!("t {} s", rounded(r.time, 5)), format!("step {step}")];
+    let measured = r.residuals.u > 0.0 || r.residuals.p > 0.0 || r.residuals.viscosity > 0.0;
+    if measured {
+        parts.push(format!("U {}", residual(r.residuals.u)));
+        parts.push(format!("p {}", residual(r.residuals.p)));
+    } else {
+        let first = |s: Option<f64>| s.map_or("-".to_owned(), residual);
+        parts.push(format!("U {}", first(r.u.map(|s| s.0.first))));
+        parts.push(format!("p {}", first(r.p.map(|s| s.0.first))));
+    }
+    if r.residuals.viscosity > 0.0 {
+        parts.push(format!("viscosity {}", residual(r.residuals.viscosity)));
+    }
+    parts.push(match r.converged {
+        true => format!("outer {}", r.outer),
+        false => format!("outer {} (not converged)", r.outer),
+    });
+    parts.push(format!("Co {}", number(r.courant[1])));
+    if let Some(left) = left {
+        parts.push(format!("left {}", duration(left)));
+    }
+    parts.join("  ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granflow_flow::Residuals;
+
+    #[test]
+    fn the_line_is_readable() {
+        let mut r = Report {
+            time: 1.25,
+            outer: 3,
+            converged: true,
+            residuals: Residuals { u: 2.12e-9, p: 3.4e-10, viscosity: 8e-9 },
+            courant: [0.01, 0.1234],
+            ..Report::default()
+        };
+        assert_eq!(
+            status(1250, &r, Some(72.0)),
+            "t 1.25 s  step 1250  U 2.1e-9  p 3.4e-10  viscosity 8.0e-9  outer 3  Co 0.123  \
+             left 1 min 12 s"
+        );
+        r.converged = false;
+        r.residuals.viscosity = 0.0;
+        assert_eq!(
+            status(7, &r, None),
+            "t 1.25 s  step 7  U 2.1e-9  p 3.4e-10  outer 3 (not converged)  Co 0.123"
+        );
+    }
+}

@@ -1,0 +1,132 @@
+//! One call of the program: arguments, the command, then messages and the exit code.
+
+use crate::args::{Args, Command};
+use crate::commands;
+use crate::failure::Failure;
+use crate::output::{Output, complain};
+use crate::text::count;
+use clap::Parser;
+use clap::error::ErrorKind;
+use granflow_case::{CaseError, Notices};
+use granflow_dict::Sink;
+use std::ffi::OsString;
+
+/// What every command works with.
+pub(crate) struct Session {
+    /// Standard output.
+    pub(crate) out: Output,
+    /// Mistakes found in the input.
+    pub(crate) sink: Sink,
+    /// Facts to say once.
+    pub(crate) notices: Notices,
+    /// Whether something was written already.
+    pub(crate) changed: bool,
+}
+
+/// Runs the program; returns its exit code.
+pub(crate) fn run(args: impl IntoIterator<Item = OsString>) -> i32 {
+    let words: Vec<OsString> = args.into_iter().collect();
+    if let Some(failure) = not_there_yet(&words) {
+        return finish(Session::new(false), Err(failure));
+    }
+    let args = match Args::try_parse_from(words) {
+        Ok(args) => args,
+        Err(e) => {
+            // Help and version end up here too; a closed pipe is no error.
+            let _ = e.print();
+            return match e.kind() {
+                ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => 0,
+                _ => 2,
+            };
+        }
+    };
+    let mut session = Session::new(args.quiet);
+    let outcome = match &args.command {
+        Command::Run(a) => commands::run::command(&mut session, a),
+        Command::Mesh(a) => commands::mesh::command(&mut session, a),
+        Command::Init(a) => commands::init::command(&mut session, a),
+        Command::Check(a) => commands::check::command(&mut session, a),
+        Command::New(a) => commands::new::command(&mut session, a),
+        Command::List(a) => commands::list::command(&mut session, a),
+        Command::Plot(a) => commands::plot::command(&mut session, a),
+    };
+    finish(session, outcome)
+}
+
+/// Commands of the interface that a later version has.
+const LATER: &[(&str, &str)] = &[
+    ("export", "ParaView reads the case as it is: `touch case.foam`, then open that file"),
+    ("validate", "run a case of `granflow list cases` and compare with the reference beside it"),
+];
+
+fn not_there_yet(words: &[OsString]) -> Option<Failure> {
+    let command = words.iter().skip(1).filter_map(|w| w.to_str()).find(|w| !w.starts_with('-'))?;
+    let (name, help) = LATER.iter().find(|(name, _)| *name == command)?;
+    let version = env!("CARGO_PKG_VERSION");
+    Some(Failure::refused(format!("`granflow {name}` is not there yet (version {version})"), *help))
+}
+
+impl Session {
+    fn new(quiet: bool) -> Session {
+        Session {
+            out: Output::new(quiet),
+            sink: Sink::new(),
+            notices: Notices::new(),
+            changed: false,
+        }
+    }
+
+    /// Prints what was found so far that does not stop the command, and the facts to say once.
+    pub(crate) fn speak_up(&mut self) {
+        let found = self.sink.take();
+        if !found.is_empty() {
+            complain(&found.render(self.out.colour()));
+            complain("");
+        }
+        for notice in self.notices.take() {
+            self.out.say(&format!("note: {notice}"));
+        }
+    }
+}
+
+/// Says what is left to say and works out the exit code.
+fn finish(mut session: Session, outcome: Result<(), Failure>) -> i32 {
+    let outcome = outcome.and_then(|()| match session.out.failure() {
+        Some(e) => Err(Failure::Output(e)),
+        None => Ok(()),
+    });
+    let found = session.sink.take();
+    if !found.is_empty() {
+        complain(&found.render(session.out.colour()));
+        complain("");
+    }
+    let (errors, warnings) = (found.n_errors(), found.n_warnings());
+    match outcome {
+        Ok(()) if errors == 0 => 0,
+        Err(Failure::Case(CaseError::Invalid)) | Ok(()) => {
+            let mut all = count(errors, "error");
+            if warnings > 0 {
+                all += &format!(", {}", count(warnings, "warning"));
+            }
+            let rest =
+                if session.changed { "what was written stays" } else { "nothing was changed" };
+            complain(&format!("{all}: {rest}"));
+            2
+        }
+        Err(Failure::Refused { message, help }) => {
+            complain(&format!("error: {message}"));
+            if let Some(help) = help {
+                complain(&format!("  = help: {help}"));
+            }
+            2
+        }
+        Err(failure) => {
+            match &failure {
+                Failure::Case(e) => complain(&format!("error: {e}")),
+                Failure::Output(e) => complain(&format!("error: cannot write the output: {e}")),
+                Failure::Signal(_) | Failure::Refused { .. } => {}
+            }
+            failure.exit_code()
+        }
+    }
+}
