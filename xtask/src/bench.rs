@@ -11,7 +11,7 @@ use std::time::Instant;
 const PARTS: [&str; 3] = ["kernels", "annular", "cavity"];
 
 pub(crate) fn task(args: &[String]) -> Result<bool, String> {
-    let (mut parts, mut repeat) = (Vec::new(), 3);
+    let (mut parts, mut repeat, mut granflow) = (Vec::new(), 3, None);
     let mut args = args.iter();
     while let Some(arg) = args.next() {
         match arg.as_str() {
@@ -19,8 +19,13 @@ pub(crate) fn task(args: &[String]) -> Result<bool, String> {
                 let n = args.next().and_then(|n| n.parse().ok()).filter(|n| *n > 0);
                 repeat = n.ok_or("--repeat needs a number of runs, 1 or more")?;
             }
+            "--granflow" => granflow = Some(PathBuf::from(args.next().ok_or("--granflow PATH")?)),
             part if PARTS.contains(&part) => parts.push(part),
-            other => return Err(format!("`bench` knows {PARTS:?} and --repeat, found `{other}`")),
+            other => {
+                return Err(format!(
+                    "`bench` knows {PARTS:?}, --repeat and --granflow, found `{other}`"
+                ));
+            }
         }
     }
     let wanted = |part| parts.is_empty() || parts.contains(&part);
@@ -37,7 +42,7 @@ pub(crate) fn task(args: &[String]) -> Result<bool, String> {
         part("kernels", kernels());
     }
     if wanted("annular") || wanted("cavity") {
-        match run::build_granflow("release") {
+        match granflow.map_or_else(|| run::build_granflow("release"), Ok) {
             Err(why) => part("runs", Err(why)),
             Ok(granflow) => {
                 if wanted("annular") {

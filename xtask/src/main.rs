@@ -17,9 +17,11 @@ usage: cargo xtask TASK [OPTIONS]
 
   ci                      formatting, lints, tests, documentation; what .ci/run runs
   docs [--check]          writes the book's reference pages from the registries; with --check
-       [--granflow PATH]  only says which are missing or stale, and which links lead nowhere
+                          only says which are missing or stale, and which links lead nowhere
+       [--granflow PATH]  the program that is asked for its registries; built by default
   bench [PART ...]        timings; PART is kernels, annular or cavity (all of them by default)
         [--repeat N]      runs of each program, 3 by default; medians are printed
+        [--granflow PATH] the program to time; built in release mode by default
   validate [NAME ...]     the catalogue of cases at full resolution against its references";
 
 fn main() -> ExitCode {

@@ -90,10 +90,10 @@ pub(crate) fn build_granflow(profile: &str) -> Result<PathBuf, String> {
         return Err(format!("`{}` failed", shown(&command)));
     }
     let text = String::from_utf8_lossy(&output.stdout);
-    let messages = text.lines().filter_map(|l| serde_json::from_str(l).ok());
-    let built =
+    let messages = text.lines().rev().filter_map(|l| serde_json::from_str(l).ok());
+    let mut built =
         messages.filter_map(|m: serde_json::Value| m["executable"].as_str().map(PathBuf::from));
-    built.last().ok_or_else(|| "cargo built no `granflow` binary".into())
+    built.next().ok_or_else(|| "cargo built no `granflow` binary".into())
 }
 
 /// The whole of a directory, copied.

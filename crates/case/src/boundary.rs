@@ -167,11 +167,8 @@ pub fn conditions<T: FieldType>(
     let silent = Sink::new();
     let one = |(i, whole): (usize, &PolyPatch)| {
         let patch = &mesh.patches[i];
-        let mine: Vec<usize> = patch
-            .faces
-            .clone()
-            .map(|f| (mesh.poly_face[f] >> 1) as usize - whole.start)
-            .collect();
+        let mine: Vec<usize> =
+            patch.faces.clone().map(|f| (mesh.poly_face[f] >> 1) as usize - whole.start).collect();
         let d = local(&entries[i], factor, whole.len, &mine);
         let context = PatchContext {
             patch: &whole.name,
@@ -255,7 +252,8 @@ mod tests {
 
     #[test]
     fn names_come_before_groups_and_groups_before_patterns() {
-        let text = "\"(x|y|z).*\" { type zeroGradient; } sides { type fixedValue; value uniform 2; }
+        let text =
+            "\"(x|y|z).*\" { type zeroGradient; } sides { type fixedValue; value uniform 2; }
                     xMin { type fixedValue; value uniform 1; }";
         let (dict, diags) = parse_str(text);
         assert!(diags.is_empty());

@@ -9,7 +9,7 @@ use granflow_base::{Dims, Vec3};
 use granflow_flow::{Flow, Fluid, Numerics, Solve, State};
 use granflow_fv::{FaceField, Gradient, LeastSquares, Surroundings, Unknown, operators};
 use granflow_linsolve::{LinearSolver, build as solver, gamg};
-use granflow_mesh::Mesh;
+use granflow_mesh::{Mesh, PatchKind};
 use granflow_par::Exec;
 use granflow_physics::rheology::{FluidContext, NgfNumerics};
 use std::sync::Arc;
@@ -47,6 +47,11 @@ impl Start {
         let (s, n) = (&flow.state, flow.mesh.n_cells);
         let k = case.pressure_factor();
         let backward = flow.numerics.ddt == granflow_flow::TimeScheme::Backward;
+        let mut phi: Vec<f64> = s.phi.data.iter().map(|phi| tidy(*phi)).collect();
+        for patch in flow.mesh.patches.iter().filter(|p| p.kind == PatchKind::Empty) {
+            // Files hold nothing for empty patches.
+            phi[patch.faces.clone()].fill(0.0);
+        }
         let tidied = |v: &[Vec3]| v[..n].iter().map(|v| tidy(*v)).collect::<Vec<_>>();
         Start {
             time: s.time,
@@ -55,7 +60,7 @@ impl Start {
             u: tidied(&s.u.cells.data),
             u_old: backward.then(|| tidied(&s.u_old)),
             p: s.p.cells.data[..n].iter().map(|p| tidy(p / k)).collect(),
-            phi: Some(s.phi.data.iter().map(|phi| tidy(*phi)).collect()),
+            phi: Some(phi),
             fluidity: flow
                 .fluid
                 .rheology
@@ -82,8 +87,7 @@ pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Fl
         conditions::<Vec3>(&entries.u.boundary, &mesh, &case.poly, Dims::VELOCITY, 1.0);
     let mut u = Unknown::new(&mesh, "U", Dims::VELOCITY, [0.0; 3], u_conditions);
     u.cells.data[..n].copy_from_slice(&start.u);
-    let p_conditions =
-        conditions::<f64>(&entries.p.boundary, &mesh, &case.poly, Dims::PRESSURE, k);
+    let p_conditions = conditions::<f64>(&entries.p.boundary, &mesh, &case.poly, Dims::PRESSURE, k);
     let mut p = Unknown::new(&mesh, config.pressure(), Dims::PRESSURE, 0.0, p_conditions);
     p.cells.data[..n].iter_mut().zip(&start.p).for_each(|(p, v)| *p = k * v);
     let mut phi = FaceField::new(&mesh, "phi", Dims::VOLUME_FLUX, 0.0);

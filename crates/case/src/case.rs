@@ -181,8 +181,8 @@ impl Case {
         };
         let here = self.mesh.global_cell.iter().position(|&c| c as usize == cell)?;
         // pRefValue is the pressure itself; p_rgh lacks the weight of the fluid.
-        let weight = self.config.transport.rho
-            * dot(self.gravity.hydrostatic, self.mesh.cell_centre[here]);
+        let weight =
+            self.config.transport.rho * dot(self.gravity.hydrostatic, self.mesh.cell_centre[here]);
         Some((cell, given.value * self.pressure_factor() - weight))
     }
 }
@@ -214,7 +214,8 @@ fn split_gravity(
             new = sub(new, scale(*b, dot(*b, new)));
         }
         if norm(new) > 1e-6 {
-            basis.push(unit(new));
+            // Axes are axes to the last bit.
+            basis.push(unit(unit(new).map(|x| if x.abs() < 1e-12 { 0.0 } else { x })));
         }
     }
     let mut driving = [0.0; 3];

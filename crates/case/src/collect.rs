@@ -38,12 +38,7 @@ impl Collector {
 
     /// Face values in the user's order; `oriented` ones change sign with the direction of the
     /// face. `Some` on rank 0.
-    pub(crate) fn faces<T: Value>(
-        &self,
-        exec: &Exec,
-        own: &[T],
-        oriented: bool,
-    ) -> Option<Vec<T>> {
+    pub(crate) fn faces<T: Value>(&self, exec: &Exec, own: &[T], oriented: bool) -> Option<Vec<T>> {
         let mut out = vec![T::ZERO; self.n_faces];
         self.each(exec, own, |rank, i, v| {
             let e = self.maps[rank].1[i];

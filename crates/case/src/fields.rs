@@ -4,7 +4,7 @@ use crate::boundary::{FieldType, of_kind, resolve};
 use crate::files;
 use crate::store::StoreError;
 use granflow_base::Dims;
-use granflow_dict::{Dict, Diag, Format, Header, Reader, Severity, Sink, Writer};
+use granflow_dict::{Diag, Dict, Format, Header, Reader, Severity, Sink, Writer};
 use granflow_mesh::{PatchKind, PolyMesh};
 use std::path::Path;
 
@@ -84,7 +84,8 @@ fn check_dims(r: &Reader<'_>, name: &str, found: Dims, accept: &[Dims]) {
     }
     let known: Vec<String> = accept.iter().map(Dims::to_string).collect();
     let expected = known.join(" or ");
-    let message = format!("field `{name}` has the wrong dimensions: expected {expected}, found {found}");
+    let message =
+        format!("field `{name}` has the wrong dimensions: expected {expected}, found {found}");
     r.error_at_key("dimensions", message, format!("expected {expected}"), None);
 }
 
@@ -153,7 +154,12 @@ impl Sheet<'_> {
 
     /// A field on cells: `boundary` are the entries of the patches, `faces` the values on all
     /// faces of the mesh, from which the `value` entries come.
-    pub fn vol<T: FieldType>(&self, cells: &[T], boundary: &[Dict], faces: Option<&[T]>) -> Vec<u8> {
+    pub fn vol<T: FieldType>(
+        &self,
+        cells: &[T],
+        boundary: &[Dict],
+        faces: Option<&[T]>,
+    ) -> Vec<u8> {
         let mut w = Writer::new(&self.header(T::CLASS));
         w.dims("dimensions", self.dims);
         w.blank();

@@ -34,9 +34,8 @@ fn read(path: &Path) -> io::Result<Vec<u8>> {
         Err(e) if e.kind() == io::ErrorKind::NotFound => {
             let mut packed = path.as_os_str().to_owned();
             packed.push(".gz");
-            std::fs::read(packed).map_err(|inner| {
-                if inner.kind() == io::ErrorKind::NotFound { e } else { inner }
-            })?
+            std::fs::read(packed)
+                .map_err(|inner| if inner.kind() == io::ErrorKind::NotFound { e } else { inner })?
         }
         other => other?,
     };

@@ -13,6 +13,7 @@ pub mod fields;
 pub mod figures;
 pub mod files;
 pub mod functions;
+pub mod init;
 pub mod jsonl;
 pub mod meshing;
 mod notices;

@@ -99,8 +99,7 @@ pub(crate) fn write_time(
     dir.file("phi", &sheet("phi", Dims::VOLUME_FLUX).surface(&s.phi))?;
     if let Some(g) = &s.fluidity {
         let faces = owner_values(case, g);
-        let text =
-            sheet("fluidity", Dims::RATE).vol(g, &entries.fluidity.boundary, Some(&faces));
+        let text = sheet("fluidity", Dims::RATE).vol(g, &entries.fluidity.boundary, Some(&faces));
         dir.file("fluidity", &text)?;
     }
     if let (Some(total), "p_rgh") = (&s.pressure, pressure) {
@@ -138,8 +137,7 @@ fn owner_values(case: &Case, cells: &[f64]) -> Vec<f64> {
 fn total_on_faces(case: &Case, p_rgh: &[f64]) -> Vec<f64> {
     let (mesh, mut out) = (&case.mesh, p_rgh.to_vec());
     for f in mesh.n_inner..mesh.n_faces() {
-        let weight = case.config.transport.rho
-            * dot(case.gravity.hydrostatic, mesh.face_centre[f]);
+        let weight = case.config.transport.rho * dot(case.gravity.hydrostatic, mesh.face_centre[f]);
         out[(mesh.poly_face[f] >> 1) as usize] += weight;
     }
     out

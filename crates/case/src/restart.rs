@@ -175,11 +175,7 @@ impl Clock {
 ///
 /// # Errors
 /// The case directory cannot be read; [`CaseError::Invalid`] when it has no time directory.
-pub fn start_dir(
-    root: &Path,
-    from: crate::From,
-    sink: &Sink,
-) -> Result<String, CaseError> {
+pub fn start_dir(root: &Path, from: crate::From, sink: &Sink) -> Result<String, CaseError> {
     let times = list_times(root)?;
     let found = match from {
         crate::From::Start => times.first(),

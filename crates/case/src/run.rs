@@ -5,9 +5,9 @@ use crate::functions::Written;
 use crate::functions::schedule::{Moment, passes};
 use crate::jsonl::{Log, SolveRecord, StepRecord};
 use crate::output::Tables;
-use crate::store::{TimeName, clean_stale, purge};
+use crate::store::{TimeName, clean_stale, list_times, purge};
 use crate::worker::{Answer, Crew, Order, Sheets};
-use crate::{Case, CaseError, Notices, Options, figures, meshing, output};
+use crate::{Case, CaseError, Notices, Options, figures, init, meshing, output};
 use granflow_base::Stopwatch;
 use granflow_dict::{Diag, Sink};
 use granflow_flow::{Flow, Report, StepError};
@@ -81,12 +81,16 @@ impl Run {
         sink: &Sink,
         notices: &Notices,
     ) -> Result<Run, CaseError> {
-        let case = Case::load(root, options, sink, notices)?;
         for stale in clean_stale(root)? {
             if let crate::store::Stale::Restored(path) = stale {
                 notices.say(format!("{} of an interrupted run was restored", path.display()));
             }
         }
+        // Only a case without any time starts from 0.orig.
+        if list_times(root)?.is_empty() && init::from_orig(root)? {
+            notices.say("0.orig was copied to 0");
+        }
+        let case = Case::load(root, options, sink, notices)?;
         Run::start(case, options, sink)
     }
 

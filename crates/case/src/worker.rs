@@ -1,10 +1,10 @@
 //! One rank's part of a run. Every rank does the same things in the same order: rank 0 says what
 //! is next, and what needs the disk happens there alone.
 
+use crate::Case;
 use crate::build::{self, Start};
 use crate::collect::Collector;
 use crate::functions::{Derivations, Function, View, Written};
-use crate::Case;
 use granflow_base::Vec3;
 use granflow_flow::{Flow, Report, StepError};
 use granflow_mesh::Mesh;
@@ -102,10 +102,8 @@ pub(crate) struct Worker {
 
 impl Worker {
     pub(crate) fn new(case: Arc<Case>, exec: Exec, mesh: Arc<Mesh>) -> Worker {
-        let collector =
-            Collector::new(&exec, &mesh, case.poly.n_cells(), case.poly.n_faces());
-        let functions =
-            case.config.functions.iter().map(|f| f.plan.build(&mesh, &exec)).collect();
+        let collector = Collector::new(&exec, &mesh, case.poly.n_cells(), case.poly.n_faces());
+        let functions = case.config.functions.iter().map(|f| f.plan.build(&mesh, &exec)).collect();
         let start = Start::of_case(&case, &mesh);
         let flow = build::flow(&case, exec, mesh, start);
         Worker {
@@ -277,9 +275,8 @@ impl Worker {
 /// Greatest Courant number of a step of one second.
 fn courant(flow: &Flow) -> f64 {
     let (mesh, phi) = (&flow.mesh, &flow.state.phi.data);
-    let rate = |c: usize| {
-        0.5 * mesh.faces_of(c).map(|(f, _)| phi[f].abs()).sum::<f64>() / mesh.volume[c]
-    };
+    let rate =
+        |c: usize| 0.5 * mesh.faces_of(c).map(|(f, _)| phi[f].abs()).sum::<f64>() / mesh.volume[c];
     flow.exec.max(mesh.n_cells, |r| r.map(rate).fold(0.0, f64::max))
 }
 

@@ -4,7 +4,7 @@
 use crate::output::Output;
 use crate::text::{duration, number, residual, rounded};
 use granflow_case::StepEvent;
-use granflow_flow::Report;
+use granflow_flow::{Report, Residuals};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::time::{Duration, Instant};
 
@@ -78,36 +78,35 @@ impl Progress {
 /// `t 1.25 s  step 1250  U 2.1e-9  p 3.4e-10  viscosity 8e-9  outer 3  Co 0.12  left 12 s`.
 ///
 /// U and p are the residuals of momentum and continuity at the end of the step where it measures
-/// them, else (PISO) those of the linear systems before they were solved.
+/// them, else (PISO) those that the linear solvers left, and then the relative change of velocity
+/// in the step says how far the flow is from steady.
 pub(crate) fn status(step: usize, r: &Report, left: Option<f64>) -> String {
     let mut parts = vec![format!("t {} s", rounded(r.time, 5)), format!("step {step}")];
-    let measured = r.residuals.u > 0.0 || r.residuals.p > 0.0 || r.residuals.viscosity > 0.0;
-    if measured {
-        parts.push(format!("U {}", residual(r.residuals.u)));
-        parts.push(format!("p {}", residual(r.residuals.p)));
+    let measured = r.residuals != Residuals::default();
+    let (u, p) = if measured {
+        (Some(r.residuals.u), Some(r.residuals.p))
     } else {
-        let first = |s: Option<f64>| s.map_or("-".to_owned(), residual);
-        parts.push(format!("U {}", first(r.u.map(|s| s.0.first))));
-        parts.push(format!("p {}", first(r.p.map(|s| s.0.first))));
+        (r.u.map(|s| s.1.last), r.p.map(|s| s.1.last))
+    };
+    for (name, value) in [("U", u), ("p", p)] {
+        parts.extend(value.map(|v| format!("{name} {}", residual(v))));
     }
     if r.residuals.viscosity > 0.0 {
         parts.push(format!("viscosity {}", residual(r.residuals.viscosity)));
     }
-    parts.push(match r.converged {
-        true => format!("outer {}", r.outer),
-        false => format!("outer {} (not converged)", r.outer),
+    parts.push(match (measured, r.converged) {
+        (false, _) => format!("change {}", residual(r.change)),
+        (_, true) => format!("outer {}", r.outer),
+        (_, false) => format!("outer {} (not converged)", r.outer),
     });
     parts.push(format!("Co {}", number(r.courant[1])));
-    if let Some(left) = left {
-        parts.push(format!("left {}", duration(left)));
-    }
+    parts.extend(left.map(|left| format!("left {}", duration(left))));
     parts.join("  ")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granflow_flow::Residuals;
 
     #[test]
     fn the_line_is_readable() {
@@ -130,5 +129,8 @@ mod tests {
             status(7, &r, None),
             "t 1.25 s  step 7  U 2.1e-9  p 3.4e-10  outer 3 (not converged)  Co 0.123"
         );
+        r.residuals = Residuals::default();
+        r.change = 0.0123;
+        assert_eq!(status(7, &r, None), "t 1.25 s  step 7  change 1.2e-2  Co 0.123");
     }
 }

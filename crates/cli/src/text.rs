@@ -1,5 +1,7 @@
 //! Numbers, times and tables as people read them.
 
+use std::path::Path;
+
 /// Three significant digits: `0.00123`, `1.2e-7`, `12.5`, `1200`.
 pub(crate) fn number(x: f64) -> String {
     rounded(x, 3)
@@ -66,6 +68,16 @@ pub(crate) fn bytes(n: f64) -> String {
 /// `1 file`, `2 files`.
 pub(crate) fn count(n: usize, one: &str) -> String {
     if n == 1 { format!("1 {one}") } else { format!("{n} {one}s") }
+}
+
+/// `rel` in the case `root`, without the `./` of the current directory.
+pub(crate) fn place(root: &Path, rel: &str) -> String {
+    shown(&root.join(rel))
+}
+
+/// A path without the `./` of the current directory.
+pub(crate) fn shown(path: &Path) -> String {
+    path.strip_prefix(".").unwrap_or(path).display().to_string()
 }
 
 /// `text` in lines of at most `width` characters, each behind `indent` spaces.

@@ -43,6 +43,7 @@ impl Parser<'_> {
     fn descend(&self, level: usize, path: &str) -> Option<Value> {
         let dict = &self.scopes.get(level)?.dict;
         if let Some(v) = dict.get(path) {
+            self.referenced.borrow_mut().insert(path.to_owned());
             return Some(v.clone());
         }
         for (i, _) in path.match_indices(['.', '/']) {
@@ -54,6 +55,7 @@ impl Parser<'_> {
                 return Some(v);
             }
             if let Some(v) = dict.sub(first).and_then(|d| within(d, rest)) {
+                self.referenced.borrow_mut().insert(first.to_owned());
                 return Some(v);
             }
         }

@@ -156,7 +156,7 @@ fn entries(items: Vec<Token>) -> Payload {
         match (t.kind, key.take()) {
             (Tok::Word(w) | Tok::Str(w), None) => key = Some((w, t.span)),
             (Tok::Dict(d), Some((k, key_span))) => {
-                out.push(Entry { key: Key::Word(k), key_span, value: Value::Dict(d) });
+                out.push(Entry::new(Key::Word(k), key_span, Value::Dict(d)));
             }
             _ => {}
         }

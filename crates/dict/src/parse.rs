@@ -11,6 +11,8 @@ use crate::sequence::typed;
 use crate::source::{Source, Span};
 use crate::token::{Lexeme, lex};
 use crate::tree::{Dict, Entry, Key, Pattern, Tok, Token, Value, brief};
+use std::cell::RefCell;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Nesting beyond this is refused: it would exhaust the stack.
@@ -27,7 +29,8 @@ pub fn parse(src: Arc<Source>, files: &mut dyn Files) -> (Dict, Vec<Diag>) {
     let mut c = Cursor::new(&src);
     p.scopes.push(Scope { name: String::new(), dict: root(&src) });
     p.entries(&mut c, None);
-    let dict = p.scopes.pop().map(|s| s.dict).unwrap_or_default();
+    let mut dict = p.scopes.pop().map(|s| s.dict).unwrap_or_default();
+    dict.mark_referenced(&p.referenced.borrow());
     (dict, p.diags)
 }
 
@@ -93,6 +96,8 @@ pub(crate) struct Parser<'f> {
     pub(crate) depth: usize,
     /// Too many mistakes: say nothing more.
     pub(crate) silent: bool,
+    /// Keywords that macros have stood for.
+    pub(crate) referenced: RefCell<HashSet<String>>,
 }
 
 /// A list broke off at a mark that belongs to something around it; it was reported.
@@ -109,6 +114,7 @@ impl<'f> Parser<'f> {
             expanded: 0,
             depth: 0,
             silent: false,
+            referenced: RefCell::default(),
         }
     }
     pub(crate) fn push(&mut self, d: Diag) {
@@ -282,7 +288,7 @@ impl<'f> Parser<'f> {
                 Some(i) if self.mode != InputMode::Overwrite => {
                     self.here().entries[i].value = value
                 }
-                _ => self.here().insert(Entry { key, key_span, value }),
+                _ => self.here().insert(Entry::new(key, key_span, value)),
             }
             return;
         }
@@ -326,7 +332,7 @@ impl<'f> Parser<'f> {
             [Token { kind: Tok::Dict(d), .. }] => Value::Dict(d.clone()),
             _ => Value::Stream(out),
         };
-        self.add(Entry { key, key_span, value });
+        self.add(Entry::new(key, key_span, value));
     }
     /// The span of the last token, when it is a word of this file at the start of a line.
     fn swallowed_key(&self, out: &[Token], key_span: &Span, c: &Cursor) -> Option<Span> {

@@ -4,6 +4,7 @@ use crate::lists::Payload;
 use crate::source::Span;
 use granflow_base::Vec3;
 use regex::bytes::{Regex, RegexBuilder};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// The entries of one `{ }` or of a whole file.
@@ -26,6 +27,15 @@ pub struct Entry {
     pub key_span: Span,
     /// What it is given.
     pub value: Value,
+    /// Whether a `$macro` stands for it somewhere: then it is in use even if nothing reads it.
+    pub referenced: bool,
+}
+
+impl Entry {
+    /// An entry that no macro stands for.
+    pub fn new(key: Key, key_span: Span, value: Value) -> Entry {
+        Entry { key, key_span, value, referenced: false }
+    }
 }
 
 /// A keyword: a plain word, or a regular expression in double quotes.
@@ -176,8 +186,7 @@ impl Dict {
     }
     /// Replaces or appends the plain keyword `key`.
     pub fn set(&mut self, key: &str, value: impl Into<Value>) {
-        let entry =
-            Entry { key: Key::Word(key.to_owned()), key_span: Span::none(), value: value.into() };
+        let entry = Entry::new(Key::Word(key.to_owned()), Span::none(), value.into());
         self.insert(entry);
     }
     /// Removes the keyword written exactly `key`.
@@ -188,6 +197,15 @@ impl Dict {
     /// Position of an entry with the same keyword (not: a matching one).
     pub(crate) fn same_key(&self, key: &Key) -> Option<usize> {
         self.entries.iter().position(|e| e.key == *key)
+    }
+    /// Marks the entries whose keywords macros have stood for, on every level.
+    pub(crate) fn mark_referenced(&mut self, names: &HashSet<String>) {
+        for e in &mut self.entries {
+            e.referenced = names.contains(e.key.text());
+            if let Value::Dict(d) = &mut e.value {
+                d.mark_referenced(names);
+            }
+        }
     }
     /// Replaces the entry with the same keyword or appends.
     pub(crate) fn insert(&mut self, entry: Entry) {
@@ -205,7 +223,7 @@ impl Dict {
             };
             match (&mut self.entries[i].value, e.value) {
                 (Value::Dict(old), Value::Dict(new)) => old.merge(new),
-                (_, value) => self.entries[i] = Entry { value, key: e.key, key_span: e.key_span },
+                (_, value) => self.entries[i] = Entry { value, ..e },
             }
         }
     }
@@ -417,7 +435,7 @@ mod tests {
         let mut d = Dict::new();
         for (pattern, v) in [("(U|p)", 1.0), ("p.*", 2.0)] {
             let key = Key::Regex(Pattern::new(pattern).0);
-            d.insert(Entry { key, key_span: Span::none(), value: v.into() });
+            d.insert(Entry::new(key, Span::none(), v.into()));
         }
         d.set("U", 3.0);
         assert_eq!(d.number("U"), Some(3.0));

@@ -143,7 +143,8 @@ fn same_bits_for_any_number_of_threads_ngf() {
         let flow = |exec| {
             let mesh = Mesh::new(&poly).expect("a sound mesh");
             let mut n = numerics(3, 1);
-            n.p = solve("GAMG", "none");
+            n.u = solve_loosely("PBiCGStab", "DILU", 1e-2);
+            n.p = solve_loosely("GAMG", "none", 1e-2);
             annular(exec, mesh, n, form, solver)
         };
         same_bits(&format!("{form:?} {solver:?}"), flow, 1e-3);
@@ -161,8 +162,8 @@ fn same_bits_for_any_number_of_threads_cavity() {
         let flow = |exec| {
             let mut n = numerics(1, 2);
             n.convection = convection;
-            n.u = solve(u[0], u[1]);
-            n.p = solve(p[0], p[1]);
+            n.u = solve_loosely(u[0], u[1], 1e-8);
+            n.p = solve_loosely(p[0], p[1], 1e-8);
             cavity(exec, Mesh::new(&poly).expect("a sound mesh"), n)
         };
         same_bits(&format!("{convection:?}"), flow, 0.004);
@@ -264,12 +265,14 @@ fn ranks_agree(
 /// the equations is the same.
 fn to_the_bottom(mut n: Numerics) -> Numerics {
     n.control = granflow_flow::ResidualControl { u: 1e-11, p: 1e-12, viscosity: 1e-10 };
+    n.u = solve_loosely("PBiCGStab", "DILU", 1e-3);
+    n.p = solve_loosely("PCG", "DIC", 1e-6);
     n
 }
 
 #[test]
 fn ranks_agree_ngf() {
-    let poly = sector([24, 6, 6]);
+    let poly = sector([16, 5, 3]);
     for form in [Form::Steady, Form::Primitive { t0: 1e-3 }] {
         let d = ranks_agree(&poly, 3, 1e-3, |exec, mesh| {
             annular(exec, mesh, to_the_bottom(numerics(200, 1)), form, ["PBiCGStab", "DILU"])
@@ -316,16 +319,16 @@ fn the_counter_counts() {
 
 #[test]
 fn no_allocation_after_the_second_step_ngf() {
-    let poly = sector([16, 6, 4]);
+    let poly = sector([12, 4, 4]);
     let mut found = Vec::new();
     for form in [Form::Steady, Form::Primitive { t0: 1e-3 }] {
         for (own, u, p) in [
             (["PBiCGStab", "DILU"], ["PBiCGStab", "DILU"], ["PCG", "DIC"]),
             (["GAMG", "none"], ["GAMG", "none"], ["GAMG", "none"]),
         ] {
-            let mut n = numerics(20, 1);
-            n.u = solve(u[0], u[1]);
-            n.p = solve(p[0], p[1]);
+            let mut n = numerics(12, 1);
+            n.u = solve_loosely(u[0], u[1], 1e-2);
+            n.p = solve_loosely(p[0], p[1], 1e-4);
             let mesh = Mesh::new(&poly).expect("a sound mesh");
             let mut flow = annular(Exec::serial(), mesh, n, form, own);
             let count = allocations(&mut flow, 1e-3);

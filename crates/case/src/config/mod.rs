@@ -59,7 +59,7 @@ impl CaseConfig {
         };
         let reader = Reader::new(&control_dict, sink);
         let control = Control::read(&reader, control_dict.entries.is_empty());
-        let functions = crate::functions::read(&reader, gravity.is_some());
+        let functions = crate::functions::read(&reader);
         reader.finish(Severity::Warning);
         let schemes = match files::dict(root, "system/fvSchemes", sink)? {
             Some(d) => Schemes::read(&d, sink, notices),

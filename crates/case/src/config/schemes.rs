@@ -82,7 +82,8 @@ impl Schemes {
 
 /// The first key that is there and is not `none`.
 fn first_of<'k>(r: &Reader<'_>, keys: &[&'k str]) -> Option<&'k str> {
-    let given = |k: &&&str| r.raw(k).is_some_and(|t| t.first().and_then(|t| t.word()) != Some("none"));
+    let given =
+        |k: &&&str| r.raw(k).is_some_and(|t| t.first().and_then(|t| t.word()) != Some("none"));
     keys.iter().find(given).copied()
 }
 
@@ -121,7 +122,8 @@ fn ddt(r: &Reader<'_>, key: &str) -> TimeScheme {
         "" => return TimeScheme::Euler,
         _ => {
             let known = ["Euler", "backward"];
-            let near = nearest(word, known).map_or(String::new(), |n| format!("did you mean `{n}`? "));
+            let near =
+                nearest(word, known).map_or(String::new(), |n| format!("did you mean `{n}`? "));
             refuse(
                 &format!("unknown time scheme `{word}`"),
                 &format!("{near}known schemes are Euler, backward"),
@@ -171,8 +173,14 @@ fn unknown(t: &TokenReader<'_>, at: &granflow_dict::Span, what: &str, word: &str
 }
 
 fn divergence(r: &Reader<'_>, notices: &Notices) -> Convection {
-    let keys =
-        ["div(phi,U)", "div(rhoPhi,U)", "div(rho*phi,U)", "div((rho*phi),U)", "div(rhophi,U)", "default"];
+    let keys = [
+        "div(phi,U)",
+        "div(rhoPhi,U)",
+        "div(rho*phi,U)",
+        "div((rho*phi),U)",
+        "div(rhophi,U)",
+        "default",
+    ];
     let Some(key) = first_of(r, &keys) else {
         if r.keys().is_empty() {
             return Schemes::default().convection;
@@ -275,7 +283,9 @@ fn laplacian(r: &Reader<'_>, key: &str) -> f64 {
 
 fn interpolation(r: &Reader<'_>, notices: &Notices) {
     for key in r.keys() {
-        let Some(word) = r.raw(key).and_then(|t| t.first()).and_then(|t| t.word()) else { continue };
+        let Some(word) = r.raw(key).and_then(|t| t.first()).and_then(|t| t.word()) else {
+            continue;
+        };
         if word != "linear" && word != "none" {
             notices.say(format!("interpolationSchemes: `{word}` is served by `linear`"));
         }

@@ -96,7 +96,17 @@ const DETAILS: &[&str] = &[
 
 /// Unknowns that other solvers have and their cases may carry along.
 const OTHERS: &[&str] = &[
-    "pcorr", "pcorrFinal", "Phi", "k", "epsilon", "omega", "nuTilda", "T", "h", "e", "cellDisplacement",
+    "pcorr",
+    "pcorrFinal",
+    "Phi",
+    "k",
+    "epsilon",
+    "omega",
+    "nuTilda",
+    "T",
+    "h",
+    "e",
+    "cellDisplacement",
 ];
 
 impl Solution {
@@ -158,7 +168,9 @@ impl Solution {
                 sub.ignore_all();
             }
         }
-        if let Some(relax) = r.entry("relaxationFactors").and_then(|_| r.opt_sub("relaxationFactors")) {
+        if let Some(relax) =
+            r.entry("relaxationFactors").and_then(|_| r.opt_sub("relaxationFactors"))
+        {
             relax.ignore_all();
             if !relax.keys().is_empty() {
                 notices.say("fvSolution: relaxationFactors are not used: no relaxation is needed");
@@ -184,9 +196,19 @@ impl Solution {
         self.non_orthogonal_correctors = count("nNonOrthogonalCorrectors", 0, 0);
         self.predictor = r.opt_switch("momentumPredictor", true);
         self.read_reference(r);
-        for other in ["consistent", "transonic", "turbOnFinalIterOnly", "frozenFlow", "nAlphaCorr",
-            "nAlphaSubCycles", "cAlpha", "correctPhi", "moveMeshOuterCorrectors", "pMin", "pMax"]
-        {
+        for other in [
+            "consistent",
+            "transonic",
+            "turbOnFinalIterOnly",
+            "frozenFlow",
+            "nAlphaCorr",
+            "nAlphaSubCycles",
+            "cAlpha",
+            "correctPhi",
+            "moveMeshOuterCorrectors",
+            "pMin",
+            "pMax",
+        ] {
             r.ignore(other);
         }
         for key in ["residualControl", "outerCorrectorResidualControl"] {
@@ -262,7 +284,8 @@ fn read_tolerance(r: &Reader<'_>, default: Tolerance) -> Tolerance {
     Tolerance {
         abs: r.opt_non_negative("tolerance", Dims::NONE, default.abs),
         rel: r.opt_in_range("relTol", Dims::NONE, 0.0..=1.0, default.rel),
-        max_iter: r.opt_label_in("maxIter", 1..=i64::from(i32::MAX), default.max_iter as i64) as usize,
+        max_iter: r.opt_label_in("maxIter", 1..=i64::from(i32::MAX), default.max_iter as i64)
+            as usize,
     }
 }
 

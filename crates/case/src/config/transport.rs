@@ -76,7 +76,8 @@ impl Transport {
     fn checked(dict: Dict, sink: &Sink) -> Transport {
         let mut out = Transport { dict, ..Transport::water() };
         let r = Reader::new(&out.dict, sink);
-        out.model = r.raw("transportModel").and_then(|t| t.first()?.word()).unwrap_or("").to_owned();
+        out.model =
+            r.raw("transportModel").and_then(|t| t.first()?.word()).unwrap_or("").to_owned();
         let granular = GRANULAR.contains(&out.model.as_str());
         out.rho = match granular {
             true => r.positive("rho", Dims::DENSITY),

@@ -85,18 +85,31 @@ pub struct Entry {
 
 /// Every function.
 pub const ALL: &[Entry] = &[
+    probes::ENTRY,
+    sets::ENTRY,
+    sets::ENTRY_PROFILE,
+    forces::ENTRY,
     residuals::ENTRY,
+    field_min_max::ENTRY,
 ];
 
 /// Names that OpenFOAM's cases write for the same things.
 const ALIASES: &[(&str, &str)] = &[("solverInfo", "residuals"), ("minMax", "fieldMinMax")];
 
 /// Entries every function may have and that change nothing here.
-const HARMLESS: &[&str] = &["libs", "functionObjectLibs", "region", "log", "executeControl",
-    "executeInterval", "enabled", "useUserTime"];
+const HARMLESS: &[&str] = &[
+    "libs",
+    "functionObjectLibs",
+    "region",
+    "log",
+    "executeControl",
+    "executeInterval",
+    "enabled",
+    "useUserTime",
+];
 
 /// Reads `functions` of `controlDict`; mistakes go to the sink.
-pub fn read(control: &Reader<'_>, _gravity: bool) -> Vec<Planned> {
+pub fn read(control: &Reader<'_>) -> Vec<Planned> {
     let mut out = Vec::new();
     let Some(functions) = control.opt_sub("functions") else { return out };
     for (name, r) in functions.subs() {
@@ -118,7 +131,12 @@ pub fn read(control: &Reader<'_>, _gravity: bool) -> Vec<Planned> {
                     "{near}known are {}; `enabled no;` leaves a function out",
                     known.join(", ")
                 );
-                r.error_at_key("type", format!("unknown function `{word}`"), "not known", Some(&help));
+                r.error_at_key(
+                    "type",
+                    format!("unknown function `{word}`"),
+                    "not known",
+                    Some(&help),
+                );
             }
             r.ignore_all();
             continue;

@@ -58,18 +58,30 @@ impl Quantity {
     }
     /// Whether it follows from the state by a computation of its own.
     pub fn derived(self) -> bool {
-        !matches!(self, Quantity::U | Quantity::PRgh | Quantity::Fluidity)
+        !matches!(self, Quantity::U | Quantity::P | Quantity::PRgh | Quantity::Fluidity)
     }
+}
+
+/// Fields a function was asked for.
+#[derive(Clone, Debug)]
+pub(crate) struct Wanted {
+    /// The fields.
+    pub(crate) list: Vec<Quantity>,
+    /// Where they were written.
+    pub(crate) span: Span,
+}
+
+impl Wanted {
     /// Reads a list of names under `key`; mistakes go to the sink.
-    pub fn read_list(r: &Reader<'_>, key: &str) -> Wanted {
+    pub(crate) fn read(r: &Reader<'_>, key: &str) -> Wanted {
         let words = r.words(key);
         let span = r.value_span(key);
         let mut list = Vec::new();
         for w in words {
-            match Self::ALL.iter().find(|q| q.0 == w) {
+            match Quantity::ALL.iter().find(|q| q.0 == w) {
                 Some(q) => list.push(q.1),
                 None => {
-                    let names = Self::ALL.iter().map(|q| q.0);
+                    let names = Quantity::ALL.iter().map(|q| q.0);
                     let near = nearest(w, names.clone());
                     let near = near.map_or(String::new(), |n| format!("did you mean `{n}`? "));
                     let known: Vec<&str> = names.collect();
@@ -80,20 +92,8 @@ impl Quantity {
         }
         Wanted { list, span }
     }
-}
-
-/// Fields a function was asked for.
-#[derive(Clone, Debug)]
-pub struct Wanted {
-    /// The fields.
-    pub list: Vec<Quantity>,
-    /// Where they were written.
-    pub span: Span,
-}
-
-impl Wanted {
     /// Complains about fields that this case does not have.
-    pub fn check(&self, config: &crate::CaseConfig, sink: &Sink) {
+    pub(crate) fn check(&self, config: &crate::CaseConfig, sink: &Sink) {
         for q in &self.list {
             let why = match q {
                 Quantity::PRgh if config.gravity.is_none() => "the case has no gravity: use `p`",
@@ -112,7 +112,7 @@ impl Wanted {
         }
     }
     /// Whether one of them must be computed.
-    pub fn derived(&self) -> bool {
+    pub(crate) fn derived(&self) -> bool {
         self.list.iter().any(|q| q.derived())
     }
 }
@@ -196,18 +196,23 @@ impl View<'_> {
     pub fn cell(&self, q: Quantity, c: usize) -> Vec3 {
         let d = self.derived;
         let scalar = |x: f64| [x, 0.0, 0.0];
-        let mu = |c: usize| d.strain_rate[c] * d.viscosity[c] / d.pressure[c];
+        // Where grains lose contact there is no pressure to divide by.
+        let loose = self.grains.map_or(f64::MIN_POSITIVE, |g| g.loose());
+        let mu = |c: usize| d.strain_rate[c] * d.viscosity[c] / d.pressure[c].max(loose);
         match q {
             Quantity::U => self.u.cells.data[c],
-            Quantity::P => scalar(d.pressure[c] / self.pressure_factor),
+            Quantity::P => {
+                let weight = self.rho * dot(self.gravity, self.mesh.cell_centre[c]);
+                scalar((self.p.cells.data[c] + weight) / self.pressure_factor)
+            }
             Quantity::PRgh => scalar(self.p.cells.data[c] / self.pressure_factor),
             Quantity::Fluidity => scalar(self.fluidity.map_or(0.0, |g| g[c])),
             Quantity::StrainRate => scalar(d.strain_rate[c]),
             Quantity::Viscosity => scalar(d.viscosity[c]),
             Quantity::StressRatio => scalar(mu(c)),
-            Quantity::InertialNumber => scalar(self.grains.map_or(0.0, |g| {
-                g.inertial_number(d.strain_rate[c], d.pressure[c])
-            })),
+            Quantity::InertialNumber => scalar(
+                self.grains.map_or(0.0, |g| g.inertial_number(d.strain_rate[c], d.pressure[c])),
+            ),
         }
     }
 
@@ -297,4 +302,3 @@ fn solve_symmetric(m: &Tensor, b: Vec3) -> Vec3 {
         dot(col(0), granflow_base::cross(col(1), b)) / det,
     ]
 }
-

@@ -67,8 +67,11 @@ impl Schedule {
         ];
         // The older name comes first in no file: both are never there together.
         let old = r.has("outputControl") && !r.has("writeControl");
-        let (control, interval) =
-            if old { ("outputControl", "outputInterval") } else { ("writeControl", "writeInterval") };
+        let (control, interval) = if old {
+            ("outputControl", "outputInterval")
+        } else {
+            ("writeControl", "writeInterval")
+        };
         let mut every = default.every;
         if r.has(control) || r.has(interval) {
             let kind = r.opt_one_of(control, &kinds, 0);

@@ -1,1 +1,181 @@
+//! Lines through a mesh: where their points are and which cells hold them.
 
+use super::locate::{Locator, clip};
+use granflow_base::{Vec3, add, norm, scale, sub};
+use granflow_dict::Reader;
+use granflow_mesh::Mesh;
+
+/// How the points of a line are chosen.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Points {
+    /// So many at equal distances.
+    Uniform(usize),
+    /// Where the line crosses faces.
+    Faces,
+    /// Half way between crossings: one in each cell.
+    Middles,
+    /// Both.
+    FacesAndMiddles,
+    /// Given one by one.
+    Given(Vec<Vec3>),
+}
+
+/// What the first column of a table holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Axis {
+    /// Distance from the start.
+    Distance,
+    /// One coordinate.
+    Coordinate(usize),
+    /// All three.
+    Xyz,
+}
+
+/// A line.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Line {
+    pub(super) name: String,
+    pub(super) points: Points,
+    pub(super) axis: Axis,
+    pub(super) start: Vec3,
+    pub(super) end: Vec3,
+}
+
+/// A point of a line in a cell of this rank.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    /// Order along the line.
+    pub(super) t: f64,
+    pub(super) x: Vec3,
+    pub(super) cell: usize,
+}
+
+impl Line {
+    /// Reads a line; `kind` is the key that holds its type.
+    pub(super) fn read(r: &Reader<'_>, name: &str, kind: Option<&str>) -> Line {
+        #[derive(Clone, Copy, PartialEq)]
+        enum Kind {
+            Uniform,
+            Faces,
+            Middles,
+            Both,
+            Given,
+        }
+        let kinds = [
+            ("uniform", Kind::Uniform),
+            ("lineUniform", Kind::Uniform),
+            ("face", Kind::Faces),
+            ("lineFace", Kind::Faces),
+            ("midPoint", Kind::Middles),
+            ("lineCell", Kind::Middles),
+            ("midPointAndFace", Kind::Both),
+            ("lineCellFace", Kind::Both),
+            ("cloud", Kind::Given),
+            ("points", Kind::Given),
+        ];
+        let kind = match kind {
+            Some(key) => r.one_of(key, &kinds),
+            None if r.has("nPoints") => Kind::Uniform,
+            None => Kind::Middles,
+        };
+        let axis = r.opt_one_of(
+            "axis",
+            &[
+                ("distance", Axis::Distance),
+                ("x", Axis::Coordinate(0)),
+                ("y", Axis::Coordinate(1)),
+                ("z", Axis::Coordinate(2)),
+                ("xyz", Axis::Xyz),
+            ],
+            if kind == Kind::Given { Axis::Xyz } else { Axis::Distance },
+        );
+        r.ignore("ordered");
+        let mut line = Line {
+            name: name.into(),
+            points: Points::Middles,
+            axis,
+            start: [0.0; 3],
+            end: [0.0; 3],
+        };
+        if kind == Kind::Given {
+            line.points = Points::Given(r.vectors("points"));
+            return line;
+        }
+        line.start = r.vector("start", granflow_base::Dims::LENGTH);
+        line.end = r.vector("end", granflow_base::Dims::LENGTH);
+        if line.start == line.end {
+            r.error_at_key("end", "the line ends where it starts", "same as `start`", None);
+        }
+        line.points = match kind {
+            Kind::Uniform => {
+                Points::Uniform(r.label_in("nPoints", 2..=i64::from(i32::MAX)) as usize)
+            }
+            Kind::Faces => Points::Faces,
+            Kind::Both => Points::FacesAndMiddles,
+            Kind::Middles | Kind::Given => Points::Middles,
+        };
+        line
+    }
+
+    /// The points that lie in cells of `mesh`, in order.
+    pub(super) fn places(&self, mesh: &Mesh) -> Vec<Place> {
+        let d = sub(self.end, self.start);
+        let on = |t: f64| add(self.start, scale(d, t));
+        match &self.points {
+            Points::Uniform(n) => {
+                let ts = (0..*n).map(|i| i as f64 / (*n - 1) as f64);
+                held(mesh, ts.map(|t| (t, on(t))))
+            }
+            Points::Given(points) => {
+                held(mesh, points.iter().enumerate().map(|(i, x)| (i as f64, *x)))
+            }
+            Points::Faces | Points::Middles | Points::FacesAndMiddles => {
+                let mut out = Vec::new();
+                for cell in 0..mesh.n_cells {
+                    let Some((t0, t1)) = clip(mesh, cell, self.start, d) else { continue };
+                    let mut put = |t: f64| out.push(Place { t, x: on(t), cell });
+                    if self.points != Points::Middles {
+                        put(t0);
+                        put(t1);
+                    }
+                    if self.points != Points::Faces {
+                        put(0.5 * (t0 + t1));
+                    }
+                }
+                out.sort_by(|a, b| a.t.total_cmp(&b.t));
+                out
+            }
+        }
+    }
+
+    /// Parameters nearer than this belong to one point.
+    pub(super) fn grain(&self) -> f64 {
+        match self.points {
+            Points::Given(_) => 0.5,
+            _ => 1e-9,
+        }
+    }
+
+    /// Heads of the axis' columns.
+    pub(super) fn heads(&self) -> Vec<&'static str> {
+        match self.axis {
+            Axis::Distance => vec!["distance"],
+            Axis::Coordinate(k) => vec![["x", "y", "z"][k]],
+            Axis::Xyz => vec!["x", "y", "z"],
+        }
+    }
+
+    /// The axis' columns at `x`.
+    pub(super) fn along(&self, x: Vec3) -> Vec<f64> {
+        match self.axis {
+            Axis::Distance => vec![norm(sub(x, self.start))],
+            Axis::Coordinate(k) => vec![x[k]],
+            Axis::Xyz => x.to_vec(),
+        }
+    }
+}
+
+fn held(mesh: &Mesh, points: impl Iterator<Item = (f64, Vec3)>) -> Vec<Place> {
+    let mut find = Locator::new(mesh);
+    points.filter_map(|(t, x)| Some(Place { t, x, cell: find.find(x)? })).collect()
+}

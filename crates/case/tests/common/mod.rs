@@ -1,5 +1,5 @@
 //! Small cases in temporary directories.
-#![allow(dead_code, clippy::unwrap_used)]
+#![allow(dead_code, unreachable_pub, clippy::unwrap_used)]
 
 use granflow_case::{CaseError, End, Event, Notices, Options, Run, meshing, store};
 use granflow_dict::{Format, Sink};

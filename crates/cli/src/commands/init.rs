@@ -4,7 +4,7 @@ use super::need_case;
 use crate::args::Place;
 use crate::failure::Failure;
 use crate::session::Session;
-use crate::text::count;
+use crate::text::{count, place};
 use granflow_case::store::{DirWriter, list_times};
 use std::fs;
 use std::io;
@@ -30,7 +30,7 @@ pub(crate) fn command(session: &mut Session, args: &Place) -> Result<(), Failure
         return Err(Failure::refused(message, "remove it, and give the fields in `0.orig`"));
     }
     let n = copy(root)?;
-    session.out.say(&format!("{} from {ORIG} in {}", count(n, "file"), root.join("0").display()));
+    session.out.say(&format!("{} from {ORIG} in {}", count(n, "file"), place(root, "0")));
     Ok(())
 }
 

@@ -4,6 +4,7 @@ use super::need_case;
 use crate::args::Place;
 use crate::failure::Failure;
 use crate::session::Session;
+use crate::text::place;
 use granflow_case::meshing;
 use granflow_mesh::check::check;
 
@@ -16,7 +17,6 @@ pub(crate) fn command(session: &mut Session, args: &Place) -> Result<(), Failure
     let poly = meshing::make(&args.case, &session.sink)?;
     session.speak_up();
     session.out.say(&check(&poly).to_string());
-    let place = args.case.join(meshing::POLY_MESH);
-    session.out.say(&format!("written to {}", place.display()));
+    session.out.say(&format!("written to {}", place(&args.case, meshing::POLY_MESH)));
     Ok(())
 }

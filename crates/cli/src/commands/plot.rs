@@ -4,6 +4,7 @@ use super::need_case;
 use crate::args::Place;
 use crate::failure::Failure;
 use crate::session::Session;
+use crate::text::shown;
 use granflow_case::figures;
 
 /// Runs the command.
@@ -18,7 +19,7 @@ pub(crate) fn command(session: &mut Session, args: &Place) -> Result<(), Failure
         session.out.say("no figures: the case has no system/plotDict, or no figure in it");
     }
     for file in files {
-        session.out.say(&format!("figure  {}", file.display()));
+        session.out.say(&format!("figure  {}", shown(&file)));
     }
     Ok(())
 }

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::signals::Signals;
-use crate::text::{count, duration, number, rounded};
+use crate::text::{count, duration, number, place, rounded, shown};
 use granflow_case::{Case, End, Event, From, Options, Run, StepEvent};
 use std::path::Path;
 use std::time::Instant;
@@ -77,7 +77,7 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
     let figures = run.finish(&session.sink);
     tally.say_where(session, root);
     for file in figures? {
-        session.out.say(&format!("figure   {}", file.display()));
+        session.out.say(&format!("figure   {}", shown(&file)));
     }
     Ok(())
 }
@@ -177,13 +177,12 @@ impl Tally {
 
     fn say_where(&self, session: &mut Session, root: &Path) {
         let (Some(first), Some(last)) = (self.written.first(), self.written.last()) else { return };
-        let place = |name: &str| root.join(name).display().to_string();
         session.out.say(&match self.written.len() {
-            1 => format!("results  {}", place(last)),
-            n => format!("results  {} to {last} ({})", place(first), count(n, "time")),
+            1 => format!("results  {}", place(root, last)),
+            n => format!("results  {} to {last} ({})", place(root, first), count(n, "time")),
         });
         if root.join("postProcessing").is_dir() {
-            session.out.say(&format!("         {}", place("postProcessing")));
+            session.out.say(&format!("         {}", place(root, "postProcessing")));
         }
     }
 }

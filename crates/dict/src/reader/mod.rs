@@ -301,7 +301,7 @@ fn finish(node: &Node<'_>, sink: &Sink, unknown: Severity) {
     let (taken, asked) = (node.taken.borrow(), node.asked.borrow());
     for (i, e) in node.dict.entries.iter().enumerate() {
         let key = e.key.text();
-        if taken.contains(&i) || (key == "FoamFile" && node.name.is_empty()) {
+        if taken.contains(&i) || e.referenced || (key == "FoamFile" && node.name.is_empty()) {
             continue;
         }
         let known = asked.iter().map(String::as_str).filter(|k| node.dict.find(k).is_none());

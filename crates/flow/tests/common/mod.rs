@@ -31,6 +31,12 @@ pub fn solve<T: granflow_base::Value>(name: &str, precond: &str) -> Solve<T> {
     Solve { solver: solver(name, precond), tolerance: tight(), last: tight() }
 }
 
+/// The same, each solve only so far as outer iterations make use of.
+pub fn solve_loosely<T: granflow_base::Value>(name: &str, precond: &str, rel: f64) -> Solve<T> {
+    let loose = Tolerance { abs: 1e-15, rel, max_iter: 300 };
+    Solve { solver: solver(name, precond), tolerance: loose, last: loose }
+}
+
 pub fn numerics(outer: usize, correctors: usize) -> Numerics {
     Numerics {
         ddt: TimeScheme::Euler,

@@ -1,0 +1,123 @@
+//! Functions against flows with known solutions.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+use common::*;
+use granflow_case::figures::table::Table;
+use granflow_mesh::{PatchKind, shapes};
+
+const H: f64 = 0.2;
+
+/// Plane Couette flow, periodic along x: U = y/h (1 0 0), traction eta/h.
+fn couette(functions: &str) -> tempfile::TempDir {
+    use PatchKind::{Empty, Wall};
+    let [x0, x1, ..] = shapes::periodic_kinds([true, false, false], Wall);
+    let poly =
+        shapes::box_mesh([3, 8, 1], [0.0; 3], [0.3, H, 0.1], [x0, x1, Wall, Wall, Empty, Empty]);
+    case(
+        &[
+            (
+                "system/controlDict",
+                &format!("endTime 3000; deltaT 1000; functions {{ {functions} }}"),
+            ),
+            ("constant/transportProperties", "transportModel Newtonian; nu 0.02; rho 50;"),
+            (
+                "0/U",
+                "dimensions [0 1 -1 0 0 0 0]; internalField uniform (0 0 0); boundaryField {
+                 yMax { type fixedValue; value uniform (1 0 0); } yMin { type noSlip; }
+                 \"x.*\" { type cyclic; } \"z.*\" { type empty; } }",
+            ),
+            (
+                "0/p",
+                "dimensions [1 -1 -2 0 0 0 0]; internalField uniform 0; boundaryField {
+                 \"y.*\" { type zeroGradient; } \"x.*\" { type cyclic; } \"z.*\" { type empty; } }",
+            ),
+        ],
+        Some(&poly),
+    )
+}
+
+#[test]
+fn profiles_of_couette_flow_are_straight() {
+    let dir = couette(
+        "s { type sets; fields (U strainRate); interpolationScheme cellPoint; sets (
+            even { type uniform; axis y; start (0.15 0 0.05); end (0.15 0.2 0.05); nPoints 9; }
+            mid { type midPoint; axis distance; start (0.15 0 0.05); end (0.15 0.2 0.05); }
+            ends { type face; axis xyz; start (0.15 0 0.05); end (0.15 0.2 0.05); } ); }
+         c { type profile; setFormat csv; fields (U); start (0.1 0 0.05); end (0.1 0.2 0.05); }",
+    );
+    run(dir.path(), &until(3000.0));
+    let table = |f: &str| Table::parse(&read(dir.path(), &format!("postProcessing/{f}")));
+    for (file, rows, axis) in [
+        ("s/3000/even_U_strainRate.xy", 9, "y"),
+        ("s/3000/mid_U_strainRate.xy", 8, "distance"),
+        ("s/3000/ends_U_strainRate.xy", 9, "y"),
+        ("c/3000/c_U.csv", 8, "distance"),
+    ] {
+        let t = table(file);
+        let column = |name: &str| &t.columns[t.column(name).unwrap()];
+        assert_eq!(column(axis).len(), rows, "{file}");
+        for (y, u) in column(axis).iter().zip(column("U_x")) {
+            assert!((u - y / H).abs() < 1e-9, "{file}: U({y}) = {u}");
+        }
+        if t.column("strainRate").is_some() {
+            assert!(column("strainRate").iter().all(|g| (g - 1.0 / H).abs() < 1e-8), "{file}");
+        }
+    }
+}
+
+#[test]
+fn forces_of_couette_flow_are_exact_and_balance() {
+    let dir = couette(
+        "top { type forces; patches (yMax); CofR (0.15 0 0.05); }
+         all { type forces; patches (yMax yMin); }
+         extremes { type fieldMinMax; fields (U); }
+         residuals { type residuals; }",
+    );
+    run(dir.path(), &until(3000.0));
+    let last = |f: &str| {
+        let t = Table::parse(&read(dir.path(), &format!("postProcessing/{f}")));
+        t.columns.iter().map(|c| *c.last().unwrap()).collect::<Vec<f64>>()
+    };
+    // eta/h times the area 0.3 x 0.1: the flow holds the lid back.
+    let drag = 0.02 * 50.0 / H * 0.03;
+    let top = last("top/0/force.dat");
+    assert!((top[1] + drag).abs() < 1e-9 * drag, "{top:?} {drag}");
+    assert!((top[7] + drag).abs() < 1e-9 * drag, "viscous: {top:?}");
+    // The moment about a point one gap below the lid: F h about -z... (r x F)_z = -y F_x.
+    let moment = last("top/0/moment.dat");
+    assert!((moment[3] - H * drag).abs() < 1e-9 * drag, "{moment:?}");
+    let all = last("all/0/force.dat");
+    assert!(all[1].abs() < 1e-9 * drag, "{all:?}");
+    let text = read(dir.path(), "postProcessing/extremes/0/fieldMinMax.dat");
+    assert!(text.contains("3000\tU\t0.0625"), "{text}");
+    assert_eq!(last("residuals/0/residuals.dat")[0], 3000.0);
+}
+
+#[test]
+fn figures_are_drawn_from_what_functions_wrote() {
+    let dir = couette("c { type profile; fields (U); start (0.1 0 0.05); end (0.1 0.2 0.05); }");
+    put(dir.path(), "reference.csv", "# exact\ny,u\n0,0\n0.2,1\n");
+    put(
+        dir.path(),
+        "system/plotDict",
+        "figures { velocity { title \"Couette\"; xLabel \"y/h\"; yLabel \"U/U_{lid}\"; curves (
+            { file \"postProcessing/c/<time>/c_U.xy\"; time all; label \"t = <time> s\";
+              x \"distance/0.2\"; y \"U_x/max(U_x)\"; }
+            { reference \"reference.csv\"; label exact; x \"y/0.2\"; y u; } ); } }",
+    );
+    let mut run = run(dir.path(), &until(3000.0));
+    let sink = granflow_dict::Sink::new();
+    let made = run.finish(&sink).unwrap();
+    assert!(sink.take().is_empty());
+    assert_eq!(made.len(), 2);
+    let svg = read(dir.path(), "postProcessing/figures/velocity.svg");
+    assert!(svg.contains("t = 3000 s") && svg.contains("exact"), "{svg}");
+    assert!(made.iter().all(|f| f.is_file()));
+    let typo = "figures { v { curves ( { file reference.csv; x yy; y u; } ); colour red; } }";
+    put(dir.path(), "system/plotDict", typo);
+    assert!(granflow_case::figures::draw(dir.path(), &sink).is_err());
+    let said = sink.take().to_string();
+    assert!(said.contains("no column `yy`; the columns are y, u"), "{said}");
+    assert!(said.contains("unknown entry `colour`"), "{said}");
+}

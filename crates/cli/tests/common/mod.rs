@@ -1,0 +1,402 @@
+//! Two small good cases, and the program run on copies of them.
+
+#![allow(dead_code, reason = "each test file uses its part")]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+/// A case in a directory of its own.
+pub struct Case {
+    dir: TempDir,
+    /// What was done to it, for the snapshots.
+    pub edits: String,
+}
+
+/// Lid-driven cavity of 4 x 4 cells, PISO.
+pub fn cavity() -> Case {
+    Case::new(CAVITY)
+}
+
+/// Wedge of an annular cell of 8 cells, nonlocal granular fluidity.
+pub fn ring() -> Case {
+    Case::new(RING)
+}
+
+impl Case {
+    fn new(files: &[(&str, &str)]) -> Case {
+        let case = Case { dir: tempfile::tempdir().unwrap(), edits: String::new() };
+        for (path, text) in files {
+            case.put(path, text.trim_start().as_bytes());
+        }
+        case
+    }
+    pub fn path(&self) -> &Path {
+        self.dir.path()
+    }
+    pub fn read(&self, file: &str) -> String {
+        fs::read_to_string(self.path().join(file)).unwrap()
+    }
+    pub fn put(&self, file: &str, bytes: &[u8]) {
+        let path = self.path().join(file);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, bytes).unwrap();
+    }
+    /// Replaces the only `from` of a file.
+    #[must_use]
+    pub fn edit(mut self, file: &str, from: &str, to: &str) -> Case {
+        let text = self.read(file);
+        assert_eq!(text.matches(from).count(), 1, "`{from}` in {file}:\n{text}");
+        self.put(file, text.replace(from, to).as_bytes());
+        self.edits += &format!("{file}: `{from}` -> `{to}`\n");
+        self
+    }
+    #[must_use]
+    pub fn write(mut self, file: &str, text: &str) -> Case {
+        self.put(file, text.as_bytes());
+        self.edits += &format!("{file} is `{text}`\n");
+        self
+    }
+    #[must_use]
+    pub fn remove(mut self, file: &str) -> Case {
+        fs::remove_file(self.path().join(file)).unwrap();
+        self.edits += &format!("{file} is missing\n");
+        self
+    }
+    #[must_use]
+    pub fn rename(mut self, from: &str, to: &str) -> Case {
+        fs::rename(self.path().join(from), self.path().join(to)).unwrap();
+        self.edits += &format!("{from} is called {to}\n");
+        self
+    }
+    /// Makes `constant/polyMesh`.
+    #[must_use]
+    pub fn meshed(self) -> Case {
+        let out = self.run(&["mesh", "-q"]);
+        assert!(out.status.success(), "{out:?}");
+        self
+    }
+    /// Runs the program in the case.
+    pub fn run(&self, args: &[&str]) -> Output {
+        granflow(args).current_dir(self.path()).output().unwrap()
+    }
+    /// Every file and what it holds.
+    pub fn tree(&self) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
+        let mut all = BTreeMap::new();
+        tree(self.path(), &mut all);
+        all
+    }
+}
+
+fn tree(dir: &Path, all: &mut BTreeMap<PathBuf, Option<Vec<u8>>>) {
+    for entry in fs::read_dir(dir).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            all.insert(path.clone(), None);
+            tree(&path, all);
+        } else {
+            all.insert(path.clone(), Some(fs::read(&path).unwrap()));
+        }
+    }
+}
+
+/// The program, about to be run without a terminal.
+pub fn granflow(args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_granflow"));
+    command.args(args).env_remove("NO_COLOR").env("COLUMNS", "100");
+    command
+}
+
+pub fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+const CAVITY: &[(&str, &str)] = &[
+    (
+        "system/blockMeshDict",
+        "
+FoamFile { version 2.0; format ascii; class dictionary; object blockMeshDict; }
+scale 0.1;
+vertices
+(
+    (0 0 0) (1 0 0) (1 1 0) (0 1 0)
+    (0 0 0.1) (1 0 0.1) (1 1 0.1) (0 1 0.1)
+);
+blocks
+(
+    hex (0 1 2 3 4 5 6 7) (4 4 1) simpleGrading (1 1 1)
+);
+edges ();
+boundary
+(
+    lid
+    {
+        type wall;
+        faces ((3 7 6 2));
+    }
+    walls
+    {
+        type wall;
+        faces ((0 4 7 3) (2 6 5 1) (1 5 4 0));
+    }
+    sides
+    {
+        type empty;
+        faces ((0 3 2 1) (4 5 6 7));
+    }
+);
+",
+    ),
+    (
+        "system/controlDict",
+        "
+FoamFile { version 2.0; format ascii; class dictionary; object controlDict; }
+application     icoFoam;
+startFrom       startTime;
+startTime       0;
+stopAt          endTime;
+endTime         0.1;
+deltaT          0.005;
+writeControl    timeStep;
+writeInterval   10;
+writeFormat     ascii;
+timeFormat      general;
+timePrecision   6;
+",
+    ),
+    (
+        "system/fvSchemes",
+        "
+FoamFile { version 2.0; format ascii; class dictionary; object fvSchemes; }
+ddtSchemes { default Euler; }
+gradSchemes { default Gauss linear; }
+divSchemes
+{
+    default         none;
+    div(phi,U)      Gauss linear;
+}
+laplacianSchemes { default Gauss linear corrected; }
+interpolationSchemes { default linear; }
+snGradSchemes { default corrected; }
+",
+    ),
+    (
+        "system/fvSolution",
+        "
+FoamFile { version 2.0; format ascii; class dictionary; object fvSolution; }
+solvers
+{
+    p
+    {
+        solver          PCG;
+        preconditioner  DIC;
+        tolerance       1e-08;
+        relTol          0.01;
+    }
+    pFinal
+    {
+        $p;
+        relTol          0;
+    }
+    U
+    {
+        solver          smoothSolver;
+        smoother        symGaussSeidel;
+        tolerance       1e-08;
+        relTol          0;
+    }
+}
+PISO
+{
+    nCorrectors     2;
+    nNonOrthogonalCorrectors 0;
+    pRefCell        0;
+    pRefValue       0;
+}
+",
+    ),
+    (
+        "constant/transportProperties",
+        "
+FoamFile { version 2.0; format ascii; class dictionary; object transportProperties; }
+transportModel  Newtonian;
+nu              0.01;
+",
+    ),
+    (
+        "0/U",
+        "
+FoamFile { version 2.0; format ascii; class volVectorField; object U; }
+dimensions      [0 1 -1 0 0 0 0];
+internalField   uniform (0 0 0);
+boundaryField
+{
+    lid
+    {
+        type        fixedValue;
+        value       uniform (1 0 0);
+    }
+    walls
+    {
+        type        noSlip;
+    }
+    sides
+    {
+        type        empty;
+    }
+}
+",
+    ),
+    (
+        "0/p",
+        "
+FoamFile { version 2.0; format ascii; class volScalarField; object p; }
+dimensions      [0 2 -2 0 0 0 0];
+internalField   uniform 0;
+boundaryField
+{
+    lid
+    {
+        type        zeroGradient;
+    }
+    walls
+    {
+        type        zeroGradient;
+    }
+    sides
+    {
+        type        empty;
+    }
+}
+",
+    ),
+];
+
+const RING: &[(&str, &str)] = &[
+    (
+        "system/blockMeshDict",
+        "
+FoamFile { version 2.0; format ascii; class dictionary; object blockMeshDict; }
+scale 0.001;
+vertices
+(
+    (51 -0.445070257328698 0)  (63 -0.549792670817804 0)  (63 0.549792670817804 0)  (51 0.445070257328698 0)
+    (51 -0.445070257328698 10) (63 -0.549792670817804 10) (63 0.549792670817804 10) (51 0.445070257328698 10)
+);
+blocks (hex (0 1 2 3 4 5 6 7) (8 1 1) simpleGrading (1 1 1));
+boundary
+(
+    inner  { type wall;  faces ((0 4 7 3)); }
+    outer  { type wall;  faces ((1 2 6 5)); }
+    bottom { type patch; faces ((0 3 2 1)); }
+    top    { type patch; faces ((4 5 6 7)); }
+    minus  { type wedge; faces ((0 1 5 4)); }
+    plus   { type wedge; faces ((3 7 6 2)); }
+);
+",
+    ),
+    (
+        "system/controlDict",
+        "
+FoamFile { version 2.0; format ascii; class dictionary; object controlDict; }
+application     granflow;
+startFrom       latestTime;
+endTime         0.3;
+deltaT          0.1;
+writeControl    runTime;
+writeInterval   0.1;
+functions
+{
+    profile
+    {
+        type    sets;
+        fields  (U fluidity);
+        sets ( radius { type midPoint; axis x; start (0.051 0 0.005); end (0.063 0 0.005); } );
+    }
+    torque
+    {
+        type    forces;
+        patches (inner);
+        CofR    (0 0 0);
+    }
+}
+",
+    ),
+    (
+        "system/fvSchemes",
+        "
+FoamFile { version 2.0; format ascii; class dictionary; object fvSchemes; }
+ddtSchemes { default Euler; }
+gradSchemes { default Gauss linear; }
+divSchemes { default none; div(phi,U) Gauss linearUpwind grad(U); }
+laplacianSchemes { default Gauss linear corrected; }
+",
+    ),
+    (
+        "system/fvSolution",
+        "
+FoamFile { version 2.0; format ascii; class dictionary; object fvSolution; }
+PIMPLE
+{
+    pRefCell    0;
+    pRefValue   75;
+}
+",
+    ),
+    (
+        "constant/transportProperties",
+        "
+FoamFile { version 2.0; format ascii; class dictionary; object transportProperties; }
+transportModel NGF;
+rho            1519;
+NGFCoeffs
+{
+    mus  0.3819;
+    mu2  0.6435;
+    I0   0.279;
+    A    0.48;
+    d    0.75e-3;
+    rhos 2450;
+    form steady;
+}
+",
+    ),
+    (
+        "0.orig/U",
+        "
+FoamFile { version 2.0; format ascii; class volVectorField; object U; }
+dimensions      [0 1 -1 0 0 0 0];
+internalField   uniform (0 0 0);
+boundaryField
+{
+    inner
+    {
+        type    rotatingWallVelocity;
+        origin  (0 0 0);
+        axis    (0 0 1);
+        omega   0.2;
+    }
+    outer   { type noSlip; }
+    bottom  { type slip; }
+    top     { type slip; }
+    minus   { type wedge; }
+    plus    { type wedge; }
+}
+",
+    ),
+    (
+        "0.orig/p",
+        "
+FoamFile { version 2.0; format ascii; class volScalarField; object p; }
+dimensions      [1 -1 -2 0 0 0 0];
+internalField   uniform 75;
+boundaryField
+{
+    \"(inner|outer|bottom|top)\" { type zeroGradient; }
+    \"(minus|plus)\" { type wedge; }
+}
+",
+    ),
+];

@@ -1,0 +1,239 @@
+//! What a person reads about each mistake: file, line, column, what was expected, the nearest
+//! choice. Every bad case ends with exit code 2 and is left as it was, byte for byte.
+
+mod common;
+
+use common::{Case, cavity, granflow, ring, text};
+
+/// Runs the bad case and returns what was said about it.
+fn diagnose(case: &Case) -> String {
+    let before = case.tree();
+    let run = case.run(&["run"]);
+    let said = text(&run.stderr);
+    assert_eq!(run.status.code(), Some(2), "{}\n{said}\n{}", case.edits, text(&run.stdout));
+    assert!(case.tree() == before, "`run` changed a bad case");
+    let check = case.run(&["check"]);
+    assert_eq!(check.status.code(), Some(2), "{}\n{}", case.edits, text(&check.stderr));
+    assert!(case.tree() == before, "`check` changed a bad case");
+    format!("{}\n{said}", case.edits)
+}
+
+macro_rules! bad {
+    ($($name:ident: $case:expr;)*) => {
+        $(
+            #[test]
+            fn $name() {
+                let mut settings = insta::Settings::clone_current();
+                settings.set_prepend_module_to_snapshot(false);
+                settings.set_omit_expression(true);
+                settings.bind(|| insta::assert_snapshot!(stringify!($name), diagnose(&$case)));
+            }
+        )*
+    };
+}
+
+const CONTROL: &str = "system/controlDict";
+const SCHEMES: &str = "system/fvSchemes";
+const SOLUTION: &str = "system/fvSolution";
+const BLOCKS: &str = "system/blockMeshDict";
+const TRANSPORT: &str = "constant/transportProperties";
+const HEAD: &str = "FoamFile { version 2.0; format ascii; class dictionary; object x; }\n";
+
+// ---- syntax
+bad! {
+    missing_semicolon: cavity().edit(CONTROL, "endTime         0.1;", "endTime         0.1");
+    unclosed_brace: cavity().edit(SOLUTION, "        relTol          0.01;\n    }", "        relTol          0.01;");
+    surplus_brace: cavity().edit(SCHEMES, "snGradSchemes { default corrected; }", "snGradSchemes { default corrected; } }");
+    unclosed_list: cavity().edit("0/U", "uniform (1 0 0);", "uniform (1 0 0;");
+    unclosed_comment: cavity().edit(CONTROL, "startFrom ", "/* startFrom ");
+    unclosed_string: cavity().edit(CONTROL, "application     icoFoam;", "application     \"icoFoam;");
+    macro_undefined: cavity().edit(CONTROL, "endTime         0.1;", "endTime         $lastTime;");
+    include_missing: cavity().edit(CONTROL, "application ", "#include \"settings\"\napplication ");
+    code_stream: cavity().edit(CONTROL, "endTime         0.1;", "endTime #codeStream { code #{ os << 1; #}; };");
+    empty_file: cavity().write(CONTROL, "");
+}
+
+// ---- controlDict
+bad! {
+    misspelt_keyword: cavity().edit(CONTROL, "endTime         0.1;", "endTimme        0.1;");
+    wrong_type: cavity().edit(CONTROL, "deltaT          0.005;", "deltaT          small;");
+    delta_t_zero: cavity().edit(CONTROL, "deltaT          0.005;", "deltaT          0;");
+    end_before_start: cavity().edit(CONTROL, "endTime         0.1;", "endTime         -1;");
+    unknown_application: cavity().edit(CONTROL, "icoFoam", "icoFaom");
+    fractional_write_interval: cavity().edit(CONTROL, "writeInterval   10;", "writeInterval   0.5;");
+    unknown_write_control: cavity().edit(CONTROL, "timeStep", "timestep");
+    unknown_function: ring().edit(CONTROL, "type    forces;", "type    force;");
+    function_on_no_patch: ring().edit(CONTROL, "patches (inner);", "patches (iner);");
+    function_on_no_field: ring().edit(CONTROL, "fields  (U fluidity);", "fields  (U fluidty);");
+    no_such_start: cavity().edit(CONTROL, "startTime       0;", "startTime       3;");
+    many_mistakes: cavity()
+        .edit(CONTROL, "deltaT          0.005;", "deltaT          -1;")
+        .edit(SCHEMES, "ddtSchemes { default Euler; }", "ddtSchemes { default Eular; }")
+        .edit("0/p", "[0 2 -2 0 0 0 0]", "[0 2 -2 0 0]")
+        .edit("0/U", "noSlip", "noslip");
+}
+
+// ---- fvSchemes, fvSolution
+bad! {
+    unknown_time_scheme: cavity().edit(SCHEMES, "Euler", "Eulr");
+    steady_scheme: cavity().edit(SCHEMES, "Euler", "steadyState");
+    unknown_convection_scheme: cavity().edit(SCHEMES, "div(phi,U)      Gauss linear;", "div(phi,U) Gauss vanLear;");
+    convection_without_gauss: cavity().edit(SCHEMES, "div(phi,U)      Gauss linear;", "div(phi,U) linear;");
+    no_convection_scheme: cavity().edit(SCHEMES, "div(phi,U) ", "div(phi,u) ");
+    unknown_gradient_scheme: cavity().edit(SCHEMES, "gradSchemes { default Gauss linear; }", "gradSchemes { default Gaus linear; }");
+    unknown_solver: cavity().edit(SOLUTION, "PCG", "PGC");
+    unknown_preconditioner: cavity().edit(SOLUTION, "DIC", "DOC");
+    unknown_smoother: cavity().edit(SOLUTION, "symGaussSeidel", "symGausSeidel");
+    negative_tolerance: cavity().edit(SOLUTION, "relTol          0.01;", "relTol          -0.01;");
+    no_correctors: cavity().edit(SOLUTION, "nCorrectors     2;", "nCorrectors     0;");
+    reference_cell_outside: cavity().edit(SOLUTION, "pRefCell        0;", "pRefCell        16;");
+    grains_without_pressure_level: ring().edit(SOLUTION, "    pRefCell    0;\n    pRefValue   75;\n", "");
+}
+
+// ---- fields
+bad! {
+    missing_field: cavity().remove("0/U");
+    wrong_dimensions: cavity().edit("0/U", "[0 1 -1 0 0 0 0]", "[0 1 -2 0 0 0 0]");
+    wrong_class: cavity().edit("0/U", "volVectorField", "volScalarField");
+    unknown_condition: cavity().edit("0/U", "noSlip", "noSlipp");
+    scalar_condition_on_vector: cavity().edit("0/U", "noSlip", "fixedFluxPressure");
+    missing_condition: cavity().edit("0/p", "    lid\n    {\n        type        zeroGradient;\n    }\n", "");
+    extra_patch: cavity().edit("0/p", "    lid\n", "    outlet { type zeroGradient; }\n    lidd\n");
+    wrong_vector_size: cavity().edit("0/U", "uniform (1 0 0)", "uniform (1 0)");
+    missing_value: cavity().edit("0/U", "        value       uniform (1 0 0);\n", "");
+    empty_patch_as_wall: cavity().edit("0/U", "type        empty;", "type        noSlip;");
+    wedge_patch_as_wall: ring().edit("0.orig/U", "minus   { type wedge; }", "minus   { type noSlip; }");
+    field_too_short: cavity().edit("0/p", "uniform 0;", "nonuniform List<scalar> 3 (0 0 0);");
+    list_shorter_than_it_says: cavity().edit("0/p", "uniform 0;", "nonuniform List<scalar> 16 (0 0 0);");
+    field_not_finite: cavity().edit("0/p", "uniform 0;", "uniform nan;");
+    bad_time_table: ring().edit("0.orig/U", "omega   0.2;", "omega   table ((0 0) (1 0.2) (0.5 0.3));");
+    time_table_of_words: ring().edit("0.orig/U", "omega   0.2;", "omega   table ((0 fast) (1));");
+    axis_without_direction: ring().edit("0.orig/U", "axis    (0 0 1);", "axis    (0 0 0);");
+    p_with_gravity: cavity().write("constant/g", "dimensions [0 1 -2 0 0 0 0]; value (0 -9.81 0);");
+    gravity_across_the_wedge: ring()
+        .rename("0.orig/p", "0.orig/p_rgh")
+        .write("constant/g", "dimensions [0 1 -2 0 0 0 0]; value (9.81 0 0);");
+    gravity_dimensions: cavity().write("constant/g", "dimensions [0 1 -1 0 0 0 0]; value (0 0 0);");
+    no_time_directory: cavity().rename("0", "zero");
+}
+
+// ---- materials and physics
+bad! {
+    negative_viscosity: cavity().edit(TRANSPORT, "nu              0.01;", "nu              -0.01;");
+    viscosity_dimensions: cavity().edit(TRANSPORT, "nu              0.01;", "nu [1 -1 -1 0 0 0 0] 0.01;");
+    missing_viscosity: cavity().edit(TRANSPORT, "nu              0.01;", "");
+    unknown_rheology: cavity().edit(TRANSPORT, "Newtonian", "Newtonain");
+    mu2_below_mus: ring().edit(TRANSPORT, "mu2  0.6435;", "mu2  0.3;");
+    misspelt_coefficient: ring().edit(TRANSPORT, "rhos 2450;", "rhoS 2450;");
+    unknown_coefficient: ring().edit(TRANSPORT, "rhos 2450;", "rhos 2450; relaxation 0.2;");
+    missing_density: ring().edit(TRANSPORT, "rho            1519;\n", "");
+    primitive_without_t0: ring().edit(TRANSPORT, "form steady;", "form primitive;");
+    unknown_form: ring().edit(TRANSPORT, "form steady;", "form stationary;");
+    missing_transport: cavity().remove(TRANSPORT);
+    two_phases: cavity().edit(TRANSPORT, "transportModel ", "phases (water air);\ntransportModel ");
+    turbulence: cavity().write("constant/turbulenceProperties", "simulationType RAS; RAS { RASModel kEpsilon; }");
+    moving_mesh: cavity().write("constant/dynamicMeshDict", "dynamicFvMesh dynamicMotionSolverFvMesh;");
+    source_terms: cavity().write("constant/fvOptions", "heat { type scalarSemiImplicitSource; active yes; }");
+}
+
+// ---- blockMeshDict
+bad! {
+    no_mesh: cavity().remove(BLOCKS);
+    vertex_out_of_range: cavity().edit(BLOCKS, "hex (0 1 2 3 4 5 6 7)", "hex (0 1 2 3 4 5 6 8)");
+    inverted_block: cavity().edit(BLOCKS, "hex (0 1 2 3 4 5 6 7)", "hex (4 5 6 7 0 1 2 3)");
+    seven_vertices: cavity().edit(BLOCKS, "hex (0 1 2 3 4 5 6 7)", "hex (0 1 2 3 4 5 6)");
+    unknown_block: cavity().edit(BLOCKS, "hex (0", "hexa (0");
+    no_cells: cavity().edit(BLOCKS, "(4 4 1)", "(4 0 1)");
+    bad_grading: cavity().edit(BLOCKS, "simpleGrading (1 1 1)", "simpleGrading (1 -2 1)");
+    face_not_on_boundary: cavity().edit(BLOCKS, "((3 7 6 2))", "((3 7 6 1))");
+    face_of_unknown_vertex: cavity().edit(BLOCKS, "((3 7 6 2))", "((3 7 6 9))");
+    face_in_two_patches: cavity().edit(BLOCKS, "((0 4 7 3) (2 6 5 1) (1 5 4 0))", "((0 4 7 3) (2 6 5 1) (1 5 4 0) (3 7 6 2))");
+    unknown_patch_type: cavity().edit(BLOCKS, "    lid\n    {\n        type wall;", "    lid\n    {\n        type wal;");
+    cyclic_without_neighbour: cavity().edit(BLOCKS, "    lid\n    {\n        type wall;", "    lid\n    {\n        type cyclic;");
+    unknown_edge: cavity().edit(BLOCKS, "edges ();", "edges (arch 0 1 (0.5 -0.1 0));");
+    merge_patch_pairs: cavity().edit(BLOCKS, "edges ();", "edges (); mergePatchPairs ((lid walls));");
+    fat_wedge: ring().edit(BLOCKS, "(51 0.445070257328698 0)\n", "(51 0.6 0)\n");
+}
+
+const MESH: &str = "constant/polyMesh";
+
+// ---- polyMesh
+bad! {
+    mesh_file_missing: cavity().meshed().remove("constant/polyMesh/owner");
+    mesh_owner_out_of_range: cavity().meshed().edit(&format!("{MESH}/owner"), "\n15\n15\n15\n15\n)", "\n15\n15\n15\n99\n)");
+    mesh_open_cell: open_cell();
+    mesh_point_missing: cavity().meshed().edit(&format!("{MESH}/points"), "\n50\n(\n", "\n51\n(\n");
+    mesh_patch_beyond_faces: cavity().meshed().edit(&format!("{MESH}/boundary"), "nFaces          32;", "nFaces          33;");
+    mesh_not_a_number: cavity().meshed().edit(&format!("{MESH}/neighbour"), "(\n1\n", "(\none\n");
+}
+
+/// Two cells have swapped a face.
+fn open_cell() -> Case {
+    let case = cavity().meshed();
+    let owner = case.read("constant/polyMesh/owner");
+    let (head, rest) = owner.split_once("\n(\n").unwrap();
+    let mut cells: Vec<&str> = rest.split_whitespace().collect();
+    let last = cells.iter().rposition(|c| *c == "15").unwrap();
+    cells[last] = "3";
+    case.put("constant/polyMesh/owner", format!("{head}\n(\n{}\n", cells.join("\n")).as_bytes());
+    Case { edits: "constant/polyMesh/owner: the last face is given to cell 3\n".into(), ..case }
+}
+
+/// What the program says about its own arguments.
+fn refused(args: &[&str]) -> String {
+    let case = cavity();
+    let before = case.tree();
+    let out = granflow(args).current_dir(case.path()).output().unwrap();
+    assert_eq!(out.status.code(), Some(2), "{args:?}");
+    assert!(case.tree() == before);
+    format!("granflow {}\n\n{}", args.join(" "), text(&out.stderr))
+}
+
+#[test]
+fn arguments() {
+    let all: Vec<String> = [
+        &["run", "no_such_case"][..],
+        &["run", "0/U"],
+        &["run", "0"],
+        &["run", "--from", "lastest"],
+        &["run", "--from", "0.5"],
+        &["run", "-j", "0"],
+        &["runn"],
+        &["init"],
+        &["new", "cavityy"],
+        &["new", "cavity", "system"],
+        &["list", "rheology"],
+        &["export"],
+        &["validate", "cavity"],
+    ]
+    .map(refused)
+    .into();
+    let mut settings = insta::Settings::clone_current();
+    settings.set_prepend_module_to_snapshot(false);
+    settings.bind(|| insta::assert_snapshot!("arguments", all.join("\n----\n")));
+}
+
+#[test]
+fn the_good_cases_are_good() {
+    for case in [cavity(), ring(), cavity().meshed()] {
+        let before = case.tree();
+        let out = case.run(&["check"]);
+        assert_eq!((out.status.code(), text(&out.stderr).as_str()), (Some(0), ""));
+        assert!(case.tree() == before, "`check` changed something");
+    }
+}
+
+#[test]
+fn every_mistake_of_every_file_is_in_one_report() {
+    let case = cavity()
+        .edit(CONTROL, "deltaT          0.005;", "deltaT          -1;")
+        .edit(SCHEMES, "ddtSchemes { default Euler; }", "ddtSchemes { default Eular; }")
+        .edit(SOLUTION, "PCG", "PGC")
+        .edit(TRANSPORT, "nu              0.01;", "nu              -0.01;")
+        .edit("0/U", "noSlip", "noslip");
+    let said = text(&case.run(&["run"]).stderr);
+    for file in [CONTROL, SCHEMES, SOLUTION, TRANSPORT, "0/U"] {
+        assert!(said.contains(&format!("--> {file}:")), "{file} is not in\n{said}");
+    }
+    assert!(said.contains("5 errors: nothing was changed"), "{said}");
+}

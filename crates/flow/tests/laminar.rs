@@ -1,0 +1,296 @@
+//! Laminar flows with known profiles: every local rheology, driven by a body force, a wall or the
+//! weight of the grains.
+
+mod common;
+
+use common::*;
+use granflow_base::{Vec3, cross, dot, norm, unit};
+use granflow_flow::{Flow, Report};
+use granflow_linsolve::Tolerance;
+use granflow_mesh::{PatchKind, PolyMesh, shapes};
+use granflow_physics::rheology::{
+    Bingham, HerschelBulkley, MuI, Newtonian, Point, PowerLaw, Rheology,
+};
+use granflow_physics::LocalLaw;
+
+const LONG: f64 = 1e6;
+
+fn run(flow: &mut Flow, dt: f64, steps: usize) -> Report {
+    let mut last = Report::default();
+    for _ in 0..steps {
+        last = flow.step(dt).expect("a step");
+    }
+    last
+}
+
+/// A channel of unit width and density 1000 along x, `n` cells across, driven by 1 m/s2.
+fn channel(n: usize, outer: usize, rheology: Box<dyn Rheology>) -> (Flow, Report) {
+    let h = 1.0 / n as f64;
+    let kinds = shapes::periodic_kinds([true, false, true], PatchKind::Wall);
+    let poly = shapes::box_mesh([1, n, 1], [0.0; 3], [h, 1.0, h], kinds);
+    let mut s = Setup::new(&poly, numerics(outer, 1));
+    s.rho = 1000.0;
+    s.gravity.driving = [1.0, 0.0, 0.0];
+    let mut flow = s.flow(rheology, |_| fixed([0.0; 3]), |_| free());
+    let report = run(&mut flow, LONG, 2);
+    (flow, report)
+}
+
+/// Greatest error of the velocity along x against `exact(y)`, over the greatest of `exact`.
+fn error(flow: &Flow, exact: impl Fn(f64) -> f64) -> f64 {
+    let m = &flow.mesh;
+    let y = |c: usize| m.cell_centre[c][1];
+    let size = greatest(m, |c| exact(y(c)).abs());
+    greatest(m, |c| (flow.state.u.cells.data[c][0] - exact(y(c))).abs()) / size
+}
+
+/// Velocity of a Herschel-Bulkley fluid (kinematic tau0, k, n) in the channel.
+fn plug(tau0: f64, k: f64, n: f64) -> impl Fn(f64) -> f64 {
+    let q = 1.0 + 1.0 / n;
+    let shape = move |s: f64| (s - tau0).max(0.0).powf(q);
+    move |y: f64| k.powf(-1.0 / n) / q * (shape(0.5) - shape((y - 0.5).abs()))
+}
+
+#[test]
+fn plane_poiseuille() {
+    let nu = 0.125;
+    let exact = |y: f64| y * (1.0 - y) / (2.0 * nu);
+    let errors: Vec<f64> = [8, 16, 32, 64]
+        .map(|n| {
+            let (flow, report) = channel(n, 60, local(Newtonian { eta: 1000.0 * nu }));
+            assert!(report.converged, "{report:?}");
+            error(&flow, exact)
+        })
+        .to_vec();
+    println!("Poiseuille {} orders {:?}", short(&errors), orders(&errors));
+    assert!(orders(&errors).iter().all(|o| (o - 2.0).abs() < 0.1), "{errors:?}");
+    assert!(errors[3] < 3e-4, "{errors:?}");
+}
+
+/// One pass with the pressure-velocity coupling of PISO meets the same profile.
+#[test]
+fn plane_poiseuille_by_piso() {
+    let h = 1.0 / 32.0;
+    let kinds = shapes::periodic_kinds([true, false, true], PatchKind::Wall);
+    let poly = shapes::box_mesh([4, 32, 1], [0.0; 3], [4.0 * h, 1.0, h], kinds);
+    let mut s = Setup::new(&poly, numerics(1, 2));
+    s.rho = 1000.0;
+    s.gravity.driving = [1.0, 0.0, 0.0];
+    let mut flow =
+        s.flow(local(Newtonian { eta: 125.0 }), |_| fixed([0.0; 3]), |_| free());
+    run(&mut flow, 0.5, 60);
+    let e = error(&flow, |y| 4.0 * y * (1.0 - y));
+    println!("Poiseuille by PISO {e:.1e}");
+    assert!(e < 1.1e-3, "{e:.2e}");
+}
+
+/// Errors against the analytic profile on 20, 40 and 80 cells, and the change that a 1000 times
+/// higher viscosity of the unyielded plug makes.
+fn yielding(what: &str, exact: impl Fn(f64) -> f64, law: impl Fn(f64) -> Box<dyn Rheology>) {
+    let mut errors = Vec::new();
+    for n in [20, 40, 80] {
+        let (flow, report) = channel(n, 300, law(1e6));
+        let (higher, report_2) = channel(n, 300, law(1e9));
+        let e = error(&flow, &exact);
+        let most = greatest(&flow.mesh, |c| flow.state.u.cells.data[c][0]);
+        let change = greatest(&flow.mesh, |c| {
+            (flow.state.u.cells.data[c][0] - higher.state.u.cells.data[c][0]).abs()
+        }) / most;
+        let plug = (most - exact(0.5)).abs() / exact(0.5);
+        println!(
+            "{what} {n}: profile {e:.2e} plug {plug:.2e} cap {change:.2e}, outer {} {}, {:?} {:?}",
+            report.outer, report_2.outer, report.residuals, report_2.residuals
+        );
+        assert!(report.converged && report_2.converged, "{what} {n}: {report:?} {report_2:?}");
+        assert!(change < 1e-4, "{what} {n}: the cap changes the profile by {change:.1e}");
+        errors.push(e);
+    }
+    println!("{what}: orders {:?}", orders(&errors));
+    assert!(errors[1] < 1e-2 && errors[2] < 3e-3, "{what}: {errors:?}");
+    assert!((errors[0] / errors[2]).log(4.0) > 1.5, "{what}: {errors:?}");
+}
+
+#[test]
+fn bingham_poiseuille() {
+    let (tau0, nu) = (0.2, 0.05);
+    yielding("Bingham", plug(tau0, nu, 1.0), |nu0| {
+        local(Bingham { tau0, nu, nu0, density: 1000.0 })
+    });
+}
+
+#[test]
+fn herschel_bulkley_poiseuille() {
+    for n in [0.5, 1.4] {
+        let (tau0, k) = (0.2, 0.05);
+        yielding(&format!("Herschel-Bulkley n = {n}"), plug(tau0, k, n), |nu0| {
+            local(HerschelBulkley { tau0, k, n, nu0, density: 1000.0 })
+        });
+    }
+}
+
+/// The kinematic law of the library with a density.
+struct Dynamic(PowerLaw);
+impl LocalLaw for Dynamic {
+    fn viscosity(&self, at: Point) -> f64 {
+        at.density * self.0.nu(at.strain_rate)
+    }
+}
+
+#[test]
+fn power_law_poiseuille() {
+    for n in [0.5, 0.8, 1.5] {
+        let k = 0.1;
+        let exact = plug(0.0, k, n);
+        let errors: Vec<f64> = [16, 32, 64]
+            .map(|cells| {
+                let law = PowerLaw { k, n, nu: [1e-9, 1e9] };
+                let (flow, report) = channel(cells, 300, local(Dynamic(law)));
+                assert!(report.converged, "n {n}: {report:?}");
+                error(&flow, &exact)
+            })
+            .to_vec();
+        println!("power law {n}: {} orders {:?}", short(&errors), orders(&errors));
+        assert!(errors[1] < 5e-3, "n {n}: {errors:?}");
+        assert!((errors[0] / errors[2]).log(4.0) > 1.5, "n {n}: {errors:?}");
+    }
+}
+
+/// Bagnold's profile: grains of the local law down an incline of 24 degrees, 20 grains deep.
+#[test]
+fn mu_of_i_on_an_incline() {
+    let (theta, g, d) = (24f64.to_radians(), 9.81, BEADS.d);
+    let depth = 20.0 * d;
+    let tan = theta.tan();
+    let i = BEADS.i0 * (tan - BEADS.mu_s) / (BEADS.mu_2 - tan);
+    // I = rate d / sqrt(P/rho_s) with P = phi rho_s g cos (h - y).
+    let k = 2.0 / 3.0 * i / d * (0.62 * g * theta.cos()).sqrt();
+    let exact = |y: f64| k * (depth.powf(1.5) - (depth - y).powf(1.5));
+    let mut errors = Vec::new();
+    for n in [20, 40, 80] {
+        let h = depth / n as f64;
+        let kinds = shapes::periodic_kinds([true, false, true], PatchKind::Wall);
+        let poly = shapes::box_mesh([1, n, 1], [0.0; 3], [h, depth, h], kinds);
+        let mut s = Setup::new(&poly, numerics(400, 1));
+        s.gravity.hydrostatic = [0.0, -g * theta.cos(), 0.0];
+        s.gravity.driving = [g * theta.sin(), 0.0, 0.0];
+        s.p0 = RHO_B * g * theta.cos() * depth;
+        let mut flow = s.flow(
+            local(MuI(BEADS)),
+            |patch| if patch == "yMax" { slip() } else { fixed([0.0; 3]) },
+            |patch| if patch == "yMax" { pressure(0.0) } else { free() },
+        );
+        let report = run(&mut flow, LONG, 3);
+        let e = error(&flow, exact);
+        println!("incline {n}: {e:.2e}, outer {}, {:?}", report.outer, report.residuals);
+        assert!(report.converged, "{n}: {report:?}");
+        let m = &flow.mesh;
+        let pressure = flow.derived().expect("a state").pressure.to_vec();
+        let p_error = greatest(&m.clone(), |c| {
+            let exact = RHO_B * g * theta.cos() * (depth - m.cell_centre[c][1]);
+            (pressure[c] - exact).abs() / exact
+        });
+        assert!(p_error < 1e-6, "{n}: P is off by {p_error:.1e}");
+        errors.push(e);
+    }
+    println!("incline: orders {:?}", orders(&errors));
+    assert!(errors[1] < 1e-2, "{errors:?}");
+    assert!((errors[0] / errors[2]).log(4.0) > 1.4, "{errors:?}");
+}
+
+const RI: f64 = 0.5;
+const RO: f64 = 1.0;
+
+/// Speed between an inner cylinder that turns at unit speed and an outer one at rest.
+fn couette(r: f64) -> f64 {
+    let b = RI * RO * RO / (RO * RO - RI * RI);
+    b / r - b * r / (RO * RO)
+}
+
+/// The steady flow between the cylinders and its greatest errors: along, across and pressure.
+fn cylinders(poly: &PolyMesh, eta: f64) -> [f64; 3] {
+    let mut n = numerics(200, 1);
+    n.convection = granflow_fv::Convection::Linear;
+    n.p.tolerance = Tolerance { abs: 1e-12, rel: 1e-8, max_iter: 1000 };
+    n.p.last = n.p.tolerance;
+    n.u.tolerance = n.p.tolerance;
+    n.u.last = n.p.tolerance;
+    let mut s = Setup::new(poly, n);
+    s.rho = 1.0;
+    let mut flow = s.flow(
+        local(Newtonian { eta }),
+        |patch| match patch {
+            "inner" => turning(1.0, RI),
+            "outer" => turning(0.0, RO),
+            _ => slip(),
+        },
+        |_| free(),
+    );
+    let report = run(&mut flow, LONG, 2);
+    assert!(report.converged, "{report:?}");
+    let m = &flow.mesh;
+    let at = |c: usize| -> (f64, Vec3, Vec3) {
+        let [x, y, _] = m.cell_centre[c];
+        let e_r = unit([x, y, 0.0]);
+        (norm([x, y, 0.0]), e_r, cross([0.0, 0.0, 1.0], e_r))
+    };
+    let u = &flow.state.u.cells.data;
+    let along = greatest(m, |c| {
+        let (r, _, e_t) = at(c);
+        (dot(u[c], e_t) - couette(r)).abs()
+    });
+    let across = greatest(m, |c| dot(u[c], at(c).1).abs().max(u[c][2].abs()));
+    // dp/dr = rho V^2/r, integrated from the innermost cell.
+    let (a, b) = (-RI / (RO * RO - RI * RI), RI * RO * RO / (RO * RO - RI * RI));
+    let p = |r: f64| 0.5 * a * a * r * r + 2.0 * a * b * r.ln() - 0.5 * b * b / (r * r);
+    let shift = flow.state.p.cells.data[0] - p(at(0).0);
+    let pressure = greatest(m, |c| (flow.state.p.cells.data[c] - shift - p(at(c).0)).abs());
+    [along, across, pressure]
+}
+
+#[test]
+fn couette_between_cylinders_on_the_wedge() {
+    let mut errors = Vec::new();
+    for nr in [8, 16, 32, 64] {
+        let poly = shapes::wedge_ring(RI, RO, 0.1, nr, 2, 0.25f64.to_radians());
+        let e = cylinders(&poly, 0.1);
+        println!("wedge {nr}: {}", short(&e));
+        assert!(e[1] < 1e-6, "{nr}: no flow across: {e:?}");
+        errors.push(e);
+    }
+    let along: Vec<f64> = errors.iter().map(|e| e[0]).collect();
+    let p: Vec<f64> = errors.iter().map(|e| e[2]).collect();
+    println!("wedge: orders {:?} {:?}", orders(&along), orders(&p));
+    assert!(orders(&along)[..2].iter().all(|o| (o - 2.0).abs() < 0.2), "{along:?}");
+    assert!(along[3] < 2e-4, "{along:?}");
+    assert!((p[0] / p[3]).log(8.0) > 1.4, "{p:?}");
+}
+
+#[test]
+fn couette_between_cylinders_in_a_sector() {
+    let mut errors = Vec::new();
+    for k in [1, 2, 4] {
+        let mut poly = shapes::annular_sector(RI, RO, [6 * k, 6 * k, 1], 6);
+        poly.points.iter_mut().for_each(|p| p[2] *= 0.1);
+        let e = cylinders(&poly, 0.1);
+        println!("sector {k}: {}", short(&e));
+        errors.push(e);
+    }
+    for (i, what) in ["along", "across", "pressure"].iter().enumerate() {
+        let e: Vec<f64> = errors.iter().map(|e| e[i]).collect();
+        println!("sector {what}: orders {:?}", orders(&e));
+        let least = if i == 0 { 1.7 } else { 1.4 };
+        assert!((e[0] / e[2]).log(4.0) > least, "{what}: {e:?}");
+    }
+    assert!(errors[2][0] < 2e-3, "{errors:?}");
+}
+
+/// The sector and the wedge have one and the same radial profile.
+#[test]
+fn sector_meets_the_wedge() {
+    let [along, ..] = cylinders(&shapes::wedge_ring(RI, RO, 0.1, 24, 1, 0.25f64.to_radians()), 0.1);
+    let mut poly = shapes::annular_sector(RI, RO, [24, 48, 1], 6);
+    poly.points.iter_mut().for_each(|p| p[2] *= 0.1);
+    let [sector, ..] = cylinders(&poly, 0.1);
+    println!("24 cells: wedge {along:.2e}, sector {sector:.2e}");
+    assert!((along - sector).abs() < 0.5 * along.max(sector), "{along:.2e} {sector:.2e}");
+}
