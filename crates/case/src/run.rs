@@ -29,7 +29,7 @@ pub enum End {
 #[derive(Clone, Debug)]
 pub enum Event {
     /// A time step.
-    Step(StepEvent),
+    Step(Box<StepEvent>),
     /// Nothing: the run is over.
     Done(End),
 }
@@ -189,14 +189,14 @@ impl Run {
         let pace = self.pace.map_or(pace, |old| old + 0.2 * (pace - old));
         self.pace = Some(pace);
         let span = self.case.end - self.began;
-        Ok(Event::Step(StepEvent {
+        Ok(Event::Step(Box::new(StepEvent {
             report,
             step,
             wrote,
             wall: self.clock.seconds(),
             left: Some((pace * (self.case.end - time)).max(0.0)),
             progress: if span > 0.0 { ((time - self.began) / span).clamp(0.0, 1.0) } else { 1.0 },
-        }))
+        })))
     }
 
     /// Draws the figures of `system/plotDict`, if there is one, and returns the files made.

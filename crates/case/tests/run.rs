@@ -186,3 +186,28 @@ fn a_failed_step_leaves_the_state_before_it() {
         Ok(_) => panic!("a velocity of 1e200 should fail"),
     }
 }
+
+#[test]
+fn a_case_without_a_mesh_makes_it_and_starts_from_0_orig() {
+    let dir = cavity_case(4);
+    std::fs::remove_dir_all(dir.path().join("constant/polyMesh")).unwrap();
+    std::fs::rename(dir.path().join("0"), dir.path().join("0.orig")).unwrap();
+    put(
+        dir.path(),
+        "system/blockMeshDict",
+        "convertToMeters 0.1;
+         vertices ((0 0 0) (1 0 0) (1 1 0) (0 1 0) (0 0 0.1) (1 0 0.1) (1 1 0.1) (0 1 0.1));
+         blocks (hex (0 1 2 3 4 5 6 7) (5 5 1) simpleGrading (1 1 1));
+         boundary
+         (
+             yMax { type wall; faces ((3 7 6 2)); }
+             xAll { type wall; faces ((0 4 7 3) (2 6 5 1)); }
+             yMin { type wall; faces ((1 5 4 0)); }
+             zAll { type empty; faces ((0 3 2 1) (4 5 6 7)); }
+         );",
+    );
+    let run = run(dir.path(), &until(0.05));
+    assert_eq!(run.flow().mesh.n_cells, 25);
+    assert!(dir.path().join("constant/polyMesh/owner").exists());
+    assert!(dir.path().join("0.orig/U").exists() && dir.path().join("0.05/U").exists());
+}

@@ -53,6 +53,10 @@ pub(crate) fn run(args: impl IntoIterator<Item = OsString>) -> i32 {
     finish(session, outcome)
 }
 
+/// What to do when the computation failed.
+const STEP_HELP: &str = "  = help: shorten deltaT (or write `adjustTimeStep yes; maxCo 0.5;`), look at \
+                         the boundary conditions, then `granflow run --from latest` goes on";
+
 /// Commands of the interface that a later version has.
 const LATER: &[(&str, &str)] = &[
     ("export", "ParaView reads the case as it is: `touch case.foam`, then open that file"),
@@ -122,7 +126,12 @@ fn finish(mut session: Session, outcome: Result<(), Failure>) -> i32 {
         }
         Err(failure) => {
             match &failure {
-                Failure::Case(e) => complain(&format!("error: {e}")),
+                Failure::Case(e) => {
+                    complain(&format!("error: {e}"));
+                    if let CaseError::Step { .. } = e {
+                        complain(STEP_HELP);
+                    }
+                }
                 Failure::Output(e) => complain(&format!("error: cannot write the output: {e}")),
                 Failure::Signal(_) | Failure::Refused { .. } => {}
             }

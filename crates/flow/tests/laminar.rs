@@ -183,9 +183,9 @@ fn mu_of_i_on_an_incline() {
         let e = error(&flow, exact);
         println!("incline {n}: {e:.2e}, outer {}, {:?}", report.outer, report.residuals);
         assert!(report.converged, "{n}: {report:?}");
-        let m = &flow.mesh;
+        let m = flow.mesh.clone();
         let pressure = flow.derived().expect("a state").pressure.to_vec();
-        let p_error = greatest(&m.clone(), |c| {
+        let p_error = greatest(&m, |c| {
             let exact = RHO_B * g * theta.cos() * (depth - m.cell_centre[c][1]);
             (pressure[c] - exact).abs() / exact
         });

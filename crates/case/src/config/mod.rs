@@ -71,7 +71,7 @@ impl CaseConfig {
             &solution_dict,
             &control.application,
             pressure,
-            transport.grains.is_some(),
+            transport.model != "Newtonian",
             sink,
             notices,
         );

@@ -2,13 +2,13 @@
 //!
 //! Defaults where entries or the file are missing:
 //!
-//! | | granular | else |
+//! | | viscosity that varies | Newtonian |
 //! |---|---|---|
-//! | nOuterCorrectors | 100 | 1 (PISO) |
-//! | nCorrectors | 2 | 2 |
-//! | solver of U | GAMG, 1e-12 | PBiCGStab with DILU, 1e-10 |
-//! | solver of p | GAMG, 1e-12 | GAMG, 1e-10 |
-//! | solver of fluidity | GAMG, 1e-12 | |
+//! | nOuterCorrectors | 150 | 1 (PISO) |
+//! | nCorrectors | 1 | 2 |
+//! | solver of U | GAMG, relTol 1e-3 (it preconditions the whole viscous operator) | PBiCGStab with DILU, 1e-10 |
+//! | solver of p | GAMG, 1e-10 | GAMG, 1e-10 |
+//! | solver of fluidity | PBiCGStab with DILU, 1e-10 (its Jacobian may be indefinite) | |
 //! | residualControl U, p, viscosity | 1e-8 | 1e-8 |
 //! | residualControl fluidity | 1e-10 | |
 
@@ -115,23 +115,36 @@ impl Solution {
         dict: &Dict,
         application: &str,
         pressure: &str,
-        granular: bool,
+        varies: bool,
         sink: &Sink,
         notices: &Notices,
     ) -> Solution {
         let r = Reader::new(dict, sink);
-        let tight = if granular { 1e-12 } else { 1e-10 };
-        let default_u = if granular { ("GAMG", None) } else { ("PBiCGStab", Some("DILU")) };
+        let default_u = if varies { ("GAMG", None) } else { ("PBiCGStab", Some("DILU")) };
         let (mut u, mut p, mut fluidity) = (
-            LinearSolve::default_of(default_u, tight),
-            LinearSolve::default_of(("GAMG", None), tight),
-            LinearSolve::default_of(("GAMG", None), 1e-12),
+            LinearSolve::default_of(default_u, 1e-10),
+            LinearSolve::default_of(("GAMG", None), 1e-10),
+            LinearSolve::default_of(("PBiCGStab", Some("DILU")), 1e-10),
         );
+        if varies {
+            for t in [&mut u.tolerance, &mut u.last] {
+                *t = Tolerance { abs: 0.0, rel: 1e-3, ..*t };
+            }
+        }
         if let Some(solvers) = r.opt_sub("solvers") {
             u = LinearSolve::read(&solvers, "U", u, notices);
             let name = if solvers.has(pressure) { pressure } else { "p" };
             p = LinearSolve::read(&solvers, name, p, notices);
+            let default = fluidity.clone();
             fluidity = LinearSolve::read(&solvers, "fluidity", fluidity, notices);
+            if matches!(fluidity.spec.solver.as_str(), "PCG" | "GAMG") {
+                notices.say(format!(
+                    "fvSolution: {} needs a symmetric positive matrix, which the fluidity's is not: \
+                     PBiCGStab with DILU takes its place",
+                    fluidity.spec.solver
+                ));
+                fluidity.spec = default.spec;
+            }
             for other in OTHERS {
                 solvers.ignore(other);
             }
@@ -146,8 +159,8 @@ impl Solution {
             u,
             p,
             fluidity,
-            outer: if granular { 100 } else { 1 },
-            correctors: 2,
+            outer: if varies { 150 } else { 1 },
+            correctors: if varies { 1 } else { 2 },
             non_orthogonal_correctors: 0,
             predictor: true,
             control: ResidualControl::default(),

@@ -1,7 +1,8 @@
 //! `granflow check`: reads and checks everything, says what a run would meet; changes nothing.
 
 use super::init::Initial;
-use super::need_case;
+use super::run::need_time_ahead;
+use super::{need_case, need_sound_mesh};
 use crate::args::Check;
 use crate::estimate;
 use crate::failure::Failure;
@@ -18,8 +19,9 @@ pub(crate) fn command(session: &mut Session, args: &Check) -> Result<(), Failure
     let root = args.case.as_path();
     need_case(root)?;
     // Taken back when this function returns.
-    let _initial = Initial::prepare(root)?;
+    let initial = Initial::prepare(root)?;
     let loaded = Case::load(root, &Options::default(), &session.sink, &session.notices);
+    initial.restate(root, &session.sink);
     let case = match loaded {
         Ok(case) => case,
         Err(CaseError::Invalid) => {
@@ -34,6 +36,8 @@ pub(crate) fn command(session: &mut Session, args: &Check) -> Result<(), Failure
     let report = check(&case.poly);
     say_mesh(session, &report);
     session.speak_up();
+    need_sound_mesh(&report)?;
+    need_time_ahead(&case)?;
     for line in estimate::lines(&case) {
         session.out.say(&line);
     }

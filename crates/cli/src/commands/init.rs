@@ -6,6 +6,7 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::text::{count, place};
 use granflow_case::store::{DirWriter, list_times};
+use granflow_dict::{Sink, Source};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -53,6 +54,21 @@ impl Initial {
         }
         copy(root)?;
         Ok(Initial { made: Some(root.join("0")) })
+    }
+    /// Lets findings about the files of `0`, which goes away again, name those of `0.orig`.
+    pub(crate) fn restate(&self, root: &Path, sink: &Sink) {
+        let Some(made) = &self.made else { return };
+        let restated = sink.take().into_iter().map(|mut d| {
+            // Paths of the current directory are shown without its `./`.
+            let path = Path::new(&d.src.path);
+            let inside = [made.as_path(), made.strip_prefix(".").unwrap_or(made)];
+            if let Some(rel) = inside.iter().find_map(|dir| path.strip_prefix(dir).ok()) {
+                let path = place(root, &Path::new(ORIG).join(rel).display().to_string());
+                d.src = Source::new(path, d.src.text.clone());
+            }
+            d
+        });
+        sink.extend(restated.collect::<Vec<_>>());
     }
     /// The case is sound: `0` stays. Says whether it was made.
     pub(crate) fn keep(mut self) -> bool {

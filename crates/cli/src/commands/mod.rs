@@ -9,6 +9,9 @@ pub(crate) mod plot;
 pub(crate) mod run;
 
 use crate::failure::Failure;
+use crate::output::complain;
+use crate::text::count;
+use granflow_mesh::check::{CheckReport, Severity};
 use std::path::Path;
 
 /// Refuses a case directory that is none, before every file in it is reported as missing.
@@ -26,4 +29,19 @@ fn need_case(root: &Path) -> Result<(), Failure> {
         return Err(Failure::refused(format!("`{shown}` is no case: it has no `system`"), help));
     }
     Ok(())
+}
+
+/// Refuses a mesh that cannot be computed on; its faults are said with their places.
+fn need_sound_mesh(report: &CheckReport) -> Result<(), Failure> {
+    if report.ok() {
+        return Ok(());
+    }
+    let errors = report.findings.iter().filter(|f| f.severity == Severity::Error);
+    let mut n = 0;
+    for finding in errors {
+        complain(&format!("{finding}\n"));
+        n += 1;
+    }
+    let message = format!("the mesh cannot be used ({})", count(n, "fault"));
+    Err(Failure::refused(message, "`granflow check` says all about it"))
 }

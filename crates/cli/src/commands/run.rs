@@ -1,14 +1,16 @@
 //! `granflow run`: everything from a case on the disk to its figures.
 
 use super::init::Initial;
-use super::need_case;
+use super::{need_case, need_sound_mesh};
 use crate::args::{self, Start};
 use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::signals::Signals;
 use crate::text::{count, duration, number, place, rounded, shown};
+use granflow_case::store::{Stale, clean_stale};
 use granflow_case::{Case, End, Event, From, Options, Run, StepEvent};
+use granflow_mesh::check::check;
 use std::path::Path;
 use std::time::Instant;
 
@@ -33,9 +35,22 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
         stop: signals.stop(),
     };
     let initial = Initial::prepare(root)?;
-    let mut run = Run::load(root, &options, &session.sink, &session.notices)?;
+    let loaded = Case::load(root, &options, &session.sink, &session.notices);
+    if loaded.is_err() {
+        initial.restate(root, &session.sink);
+    }
+    let case = loaded?;
+    need_sound_mesh(&check(&case.poly))?;
+    need_time_ahead(&case)?;
     session.changed = true;
     let initialised = initial.keep();
+    for stale in clean_stale(root)? {
+        if let Stale::Restored(path) = stale {
+            let path = shown(&path);
+            session.notices.say(format!("{path} of an interrupted run was restored"));
+        }
+    }
+    let mut run = Run::start(case, &options, &session.sink)?;
     session.speak_up();
     introduce(session, run.case(), initialised, threads);
 
@@ -80,6 +95,23 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
         session.out.say(&format!("figure   {}", shown(&file)));
     }
     Ok(())
+}
+
+/// Refuses an end before the start; an end that is reached already, give or take the rounding of
+/// many steps, is none.
+pub(super) fn need_time_ahead(case: &Case) -> Result<(), Failure> {
+    let (start, end) = (case.start.time, case.end);
+    if end >= start - 0.5 * case.config.control.dt {
+        return Ok(());
+    }
+    let (start, end) = (rounded(start, 6), rounded(end, 6));
+    let message = format!(
+        "the end, t {end} s, lies before the start, t {start} s (directory {})",
+        case.start.dir
+    );
+    let help =
+        "endTime of system/controlDict or --until says the end, startFrom or --from the start";
+    Err(Failure::refused(message, help))
 }
 
 fn all_cores() -> usize {

@@ -1,6 +1,6 @@
 //! Two small good cases, and the program run on copies of them.
 
-#![allow(dead_code, reason = "each test file uses its part")]
+#![allow(dead_code, clippy::unwrap_used, reason = "each test file uses its part, and may fail")]
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -9,19 +9,19 @@ use std::process::{Command, Output};
 use tempfile::TempDir;
 
 /// A case in a directory of its own.
-pub struct Case {
+pub(crate) struct Case {
     dir: TempDir,
     /// What was done to it, for the snapshots.
-    pub edits: String,
+    pub(crate) edits: String,
 }
 
 /// Lid-driven cavity of 4 x 4 cells, PISO.
-pub fn cavity() -> Case {
+pub(crate) fn cavity() -> Case {
     Case::new(CAVITY)
 }
 
 /// Wedge of an annular cell of 8 cells, nonlocal granular fluidity.
-pub fn ring() -> Case {
+pub(crate) fn ring() -> Case {
     Case::new(RING)
 }
 
@@ -33,20 +33,20 @@ impl Case {
         }
         case
     }
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         self.dir.path()
     }
-    pub fn read(&self, file: &str) -> String {
+    pub(crate) fn read(&self, file: &str) -> String {
         fs::read_to_string(self.path().join(file)).unwrap()
     }
-    pub fn put(&self, file: &str, bytes: &[u8]) {
+    pub(crate) fn put(&self, file: &str, bytes: &[u8]) {
         let path = self.path().join(file);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
         fs::write(path, bytes).unwrap();
     }
     /// Replaces the only `from` of a file.
     #[must_use]
-    pub fn edit(mut self, file: &str, from: &str, to: &str) -> Case {
+    pub(crate) fn edit(mut self, file: &str, from: &str, to: &str) -> Case {
         let text = self.read(file);
         assert_eq!(text.matches(from).count(), 1, "`{from}` in {file}:\n{text}");
         self.put(file, text.replace(from, to).as_bytes());
@@ -54,36 +54,36 @@ impl Case {
         self
     }
     #[must_use]
-    pub fn write(mut self, file: &str, text: &str) -> Case {
+    pub(crate) fn write(mut self, file: &str, text: &str) -> Case {
         self.put(file, text.as_bytes());
         self.edits += &format!("{file} is `{text}`\n");
         self
     }
     #[must_use]
-    pub fn remove(mut self, file: &str) -> Case {
+    pub(crate) fn remove(mut self, file: &str) -> Case {
         fs::remove_file(self.path().join(file)).unwrap();
         self.edits += &format!("{file} is missing\n");
         self
     }
     #[must_use]
-    pub fn rename(mut self, from: &str, to: &str) -> Case {
+    pub(crate) fn rename(mut self, from: &str, to: &str) -> Case {
         fs::rename(self.path().join(from), self.path().join(to)).unwrap();
         self.edits += &format!("{from} is called {to}\n");
         self
     }
     /// Makes `constant/polyMesh`.
     #[must_use]
-    pub fn meshed(self) -> Case {
+    pub(crate) fn meshed(self) -> Case {
         let out = self.run(&["mesh", "-q"]);
         assert!(out.status.success(), "{out:?}");
         self
     }
     /// Runs the program in the case.
-    pub fn run(&self, args: &[&str]) -> Output {
+    pub(crate) fn run(&self, args: &[&str]) -> Output {
         granflow(args).current_dir(self.path()).output().unwrap()
     }
     /// Every file and what it holds.
-    pub fn tree(&self) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
+    pub(crate) fn tree(&self) -> BTreeMap<PathBuf, Option<Vec<u8>>> {
         let mut all = BTreeMap::new();
         tree(self.path(), &mut all);
         all
@@ -103,13 +103,13 @@ fn tree(dir: &Path, all: &mut BTreeMap<PathBuf, Option<Vec<u8>>>) {
 }
 
 /// The program, about to be run without a terminal.
-pub fn granflow(args: &[&str]) -> Command {
+pub(crate) fn granflow(args: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_granflow"));
     command.args(args).env_remove("NO_COLOR").env("COLUMNS", "100");
     command
 }
 
-pub fn text(bytes: &[u8]) -> String {
+pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 

@@ -1,0 +1,268 @@
+//! Whole runs through the program: exit codes, signals, restart, what is printed.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
+
+mod common;
+
+use common::{Case, cavity, granflow, ring, text};
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::path::PathBuf;
+use std::process::{Child, ChildStdout, Command, Stdio};
+
+/// Time directories of a case, in order.
+fn times(case: &Case) -> Vec<f64> {
+    let names = fs::read_dir(case.path()).unwrap().map(|e| e.unwrap().file_name());
+    let mut times: Vec<f64> = names.filter_map(|n| n.to_str()?.parse().ok()).collect();
+    times.sort_by(f64::total_cmp);
+    times
+}
+
+#[test]
+fn a_case_is_meshed_initialised_solved_and_written() {
+    let case = ring();
+    let out = case.run(&["run", "-j", "1"]);
+    let said = text(&out.stdout);
+    assert_eq!((out.status.code(), text(&out.stderr)), (Some(0), String::new()), "{said}");
+    assert_eq!(times(&case), [0.0, 0.1, 0.2, 0.3]);
+    assert!(case.path().join("constant/polyMesh/owner").is_file());
+    assert_eq!(case.read("0/U"), case.read("0.orig/U"));
+    for file in ["0.3/fluidity", "0.3/viscosity", "0.3/uniform/time", "log.jsonl"] {
+        assert!(case.path().join(file).is_file(), "{file}");
+    }
+    let lines: Vec<&str> = said.lines().collect();
+    let intro =
+        "8 cells, NGF, t 0 to 0.3 s, 1 thread, meshed from blockMeshDict, 0 made from 0.orig";
+    assert!(lines.contains(&intro), "{said}");
+    assert!(lines.iter().any(|l| l.starts_with("100 %  t 0.3 s  step 3  U ")), "{said}");
+    assert!(lines.iter().any(|l| l.starts_with("t 0.3 s after 3 steps, ")), "{said}");
+    assert!(lines.contains(&"results  0.1 to 0.3 (3 times)"), "{said}");
+    assert!(lines.contains(&"         postProcessing"), "{said}");
+    assert!(!said.contains('\u{1b}'), "no colours off a terminal");
+
+    let again = case.run(&["run"]);
+    assert_eq!(again.status.code(), Some(0));
+    let said = text(&again.stdout);
+    assert!(
+        said.contains("nothing to compute: the start is at t 0.3 s, the end at 0.3 s"),
+        "{said}"
+    );
+    assert_eq!(times(&case), [0.0, 0.1, 0.2, 0.3]);
+}
+
+#[test]
+fn quiet_means_quiet() {
+    let out = cavity().run(&["run", "--quiet"]);
+    assert_eq!((out.status.code(), out.stdout, out.stderr), (Some(0), Vec::new(), Vec::new()));
+}
+
+#[test]
+fn mesh_and_init_do_their_part_and_nothing_else() {
+    let case = ring();
+    let out = case.run(&["mesh"]);
+    assert_eq!(out.status.code(), Some(0), "{out:?}");
+    assert!(text(&out.stdout).ends_with("mesh ok\nwritten to constant/polyMesh\n"), "{out:?}");
+    assert!(!case.path().join("0").exists());
+    let out = case.run(&["init"]);
+    assert_eq!(text(&out.stdout), "2 files from 0.orig in 0\n", "{out:?}");
+    let before = case.tree();
+    assert_eq!(case.run(&["init"]).status.code(), Some(2), "0 is not overwritten");
+    assert!(case.tree() == before);
+    let out = case.run(&["run"]);
+    assert!(!text(&out.stdout).contains("made"), "{out:?}");
+}
+
+#[test]
+fn check_tells_what_a_run_would_meet() {
+    let out = ring().run(&["check"]);
+    let said = text(&out.stdout);
+    for line in [
+        "cells              8 (8 hexahedra)",
+        "model              NGF, rho 1519 kg/m3",
+        "speed              0.0102 m/s at patch inner",
+        "cells a grain      0.5 at the finest, 0.5 at the coarsest",
+        "pressure           75 Pa at the start",
+        "the case can be run",
+    ] {
+        assert!(said.lines().any(|l| l == line), "{line}\n is not in\n{said}");
+    }
+    // V/(5 d) d/sqrt(P/rhos) at V = 0.0102 m/s.
+    let inertial = said.lines().find(|l| l.starts_with("inertial number")).unwrap();
+    assert!(inertial.contains("to 0.0117 at the driven patches (dense flow)"), "{inertial}");
+    assert!(
+        said.contains("warning            the shear at inner decays over a few grains"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_run_that_blows_up_keeps_a_state_to_go_on_from() {
+    let case = cavity().edit(
+        "0/U",
+        "type        fixedValue;\n        value       uniform (1 0 0);",
+        "type uniformFixedValue; uniformValue table ((0 (1 0 0)) (0.02 (1 0 0)) (0.03 (1e200 0 0)));",
+    );
+    let out = case.run(&["run"]);
+    let said = text(&out.stderr);
+    assert_eq!(out.status.code(), Some(3), "{said}");
+    assert!(said.contains("the state before this step is in `0.02`"), "{said}");
+    assert!(said.contains("help: shorten deltaT"), "{said}");
+    assert_eq!(times(&case), [0.0, 0.02]);
+    let case = case.edit("0.02/U", "1e200", "1");
+    let out = case.run(&["run", "--from", "latest"]);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    assert_eq!(times(&case), [0.0, 0.02, 0.05, 0.1]);
+}
+
+#[test]
+fn a_full_disk_is_exit_code_4() {
+    let case = cavity();
+    std::os::unix::fs::symlink("/dev/full", case.path().join("log.jsonl")).unwrap();
+    let out = case.run(&["run"]);
+    let said = text(&out.stderr);
+    assert_eq!(out.status.code(), Some(4), "{said}");
+    assert!(said.contains("log.jsonl: disk full"), "{said}");
+    let full = fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+    let out = granflow(&["list"]).stdout(full).output().unwrap();
+    assert_eq!(out.status.code(), Some(4), "{out:?}");
+}
+
+#[test]
+fn a_file_where_a_directory_should_be_is_named() {
+    let case = cavity();
+    case.put("constant/polyMesh", b"not a directory");
+    let before = case.tree();
+    for command in ["mesh", "run"] {
+        let out = case.run(&[command]);
+        let said = text(&out.stderr);
+        assert_eq!(out.status.code(), Some(2), "{said}");
+        assert!(said.contains("constant/polyMesh"), "{said}");
+    }
+    assert!(case.tree() == before);
+}
+
+/// Starts a run and waits until it prints `sign`.
+#[expect(clippy::zombie_processes, reason = "the callers wait")]
+fn start(case: &Case, sign: &str) -> (Child, BufReader<ChildStdout>) {
+    let mut command = granflow(&["run"]);
+    command.current_dir(case.path()).stdout(Stdio::piped()).stderr(Stdio::null());
+    let mut child = command.spawn().unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap());
+    loop {
+        let mut line = String::new();
+        assert_ne!(lines.read_line(&mut line).unwrap(), 0, "the run ended before `{sign}`");
+        if line.contains(sign) {
+            return (child, lines);
+        }
+    }
+}
+
+fn signal(child: &Child, name: &str) {
+    let status = Command::new("kill").args([name, &child.id().to_string()]).status().unwrap();
+    assert!(status.success());
+}
+
+#[test]
+fn a_signal_writes_and_stops_and_a_restart_goes_on() {
+    for (name, code) in [("-TERM", 143), ("-INT", 130)] {
+        let case = cavity()
+            .edit("system/controlDict", "endTime         0.1;", "endTime 1e9;")
+            .edit("system/controlDict", "writeInterval   10;", "writeInterval 1000000000;")
+            .edit("system/controlDict", "startTime;", "latestTime;");
+        let (mut child, _lines) = start(&case, "step 1 ");
+        signal(&child, name);
+        assert_eq!(child.wait().unwrap().code(), Some(code));
+        let stopped = times(&case);
+        assert_eq!(stopped.len(), 2, "the state was written once: {stopped:?}");
+        let more = (stopped[1] + 0.05).to_string();
+        let out = case.run(&["run", "--until", &more]);
+        assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+        let after = times(&case);
+        assert_eq!(after.len(), 3, "{after:?}");
+        assert!((after[2] - stopped[1] - 0.05).abs() < 1e-3, "{after:?}");
+    }
+}
+
+#[test]
+fn the_second_signal_stops_at_once() {
+    // One step of this case takes longer than anybody waits.
+    let case = cavity().edit("system/fvSolution", "nCorrectors     2;", "nCorrectors 100000000;");
+    let (mut child, _lines) = start(&case, "16 cells");
+    signal(&child, "-TERM");
+    signal(&child, "-TERM");
+    assert_eq!(child.wait().unwrap().code(), Some(143));
+    assert_eq!(times(&case), [0.0]);
+}
+
+#[test]
+fn a_reader_that_leaves_is_no_error() {
+    let mut child =
+        granflow(&["list"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let out = child.wait_with_output().unwrap();
+    assert_eq!((out.status.code(), text(&out.stderr)), (Some(0), String::new()));
+}
+
+#[test]
+fn lists_are_json_for_programs() {
+    for what in ["rheologies", "conditions", "schemes", "solvers", "functions", "cases"] {
+        let out = granflow(&["list", "--json", what]).output().unwrap();
+        let all: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+        for entry in all.as_array().unwrap() {
+            for key in ["name", "summary", "reference"] {
+                assert!(entry[key].as_str().is_some_and(|t| !t.is_empty()), "{what}: {entry}");
+            }
+            let name = entry["name"].as_str().unwrap();
+            let plain = granflow(&["list", what]).output().unwrap();
+            assert!(text(&plain.stdout).contains(name), "{name}");
+        }
+        if what == "rheologies" {
+            let formula = |e: &&serde_json::Value| e["formula"].as_str().is_some();
+            let all = all.as_array().unwrap();
+            assert_eq!(all.iter().filter(formula).count(), all.len());
+        }
+    }
+}
+
+#[test]
+fn every_built_in_case_is_written_and_sound_and_not_overwritten() {
+    let out = granflow(&["list", "--json", "cases"]).output().unwrap();
+    let all: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
+    let here = tempfile::tempdir().unwrap();
+    for entry in all.as_array().unwrap() {
+        let name = entry["name"].as_str().unwrap();
+        let new = |dir: &[&str]| {
+            let args = [&["new", name], dir].concat();
+            granflow(&args).current_dir(here.path()).output().unwrap()
+        };
+        assert_eq!(new(&[]).status.code(), Some(0), "{name}");
+        assert_eq!(new(&[]).status.code(), Some(2), "{name} exists");
+        let other = format!("deep/er/{name}");
+        assert_eq!(new(&[&other]).status.code(), Some(0), "{name}");
+        let check = granflow(&["check", name]).current_dir(here.path()).output().unwrap();
+        assert_eq!(check.status.code(), Some(0), "{name}: {}", text(&check.stderr));
+    }
+}
+
+#[test]
+fn the_built_in_cavity_runs() {
+    let here = tempfile::tempdir().unwrap();
+    let run = |args: &[&str]| granflow(args).current_dir(here.path()).output().unwrap();
+    assert_eq!(run(&["new", "cavity", "c"]).status.code(), Some(0));
+    let control = fs::read_to_string(here.path().join("c/system/controlDict")).unwrap();
+    let dt = control.lines().find_map(|l| l.trim().strip_prefix("deltaT")).unwrap();
+    let dt: f64 = dt.trim().trim_end_matches(';').trim().parse().unwrap();
+    let out = run(&["run", "c", "--until", &(2.0 * dt).to_string()]);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    assert!(PathBuf::from(here.path()).join("c/log.jsonl").is_file());
+}
+
+#[test]
+fn one_thread_and_three_write_the_same_bytes() {
+    let (one, three) = (ring(), ring());
+    assert!(one.run(&["run", "-j", "1"]).status.success());
+    assert!(three.run(&["run", "-j", "3"]).status.success());
+    for file in ["0.3/U", "0.3/p", "0.3/phi", "0.3/fluidity", "0.3/viscosity"] {
+        assert_eq!(one.read(file), three.read(file), "{file}");
+    }
+}
