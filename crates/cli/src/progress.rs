@@ -28,9 +28,9 @@ impl Progress {
             let target = ProgressDrawTarget::stderr_with_hz(10);
             let bar = ProgressBar::with_draw_target(Some(PARTS), target);
             let template = if out.colour() {
-                "{bar:18.cyan/blue} {percent:>3} %  {wide_msg}"
+                "{bar:10.cyan/blue} {percent:>3} %  {wide_msg}"
             } else {
-                "{bar:18} {percent:>3} %  {wide_msg}"
+                "{bar:10} {percent:>3} %  {wide_msg}"
             };
             let style = ProgressStyle::with_template(template)
                 .unwrap_or_else(|_| ProgressStyle::default_bar())
@@ -75,13 +75,16 @@ impl Progress {
     }
 }
 
-/// `t 1.25 s  step 1250  U 2.1e-9  p 3.4e-10  viscosity 8e-9  outer 3  Co 0.12  left 12 s`.
+/// `t 1.25 s  left 12 s  step 1250  U 2.1e-9  p 3.4e-10  visc 8.0e-9  outer 3  Co 0.12`.
 ///
 /// U and p are the residuals of momentum and continuity at the end of the step where it measures
 /// them, else (PISO) those that the linear solvers left, and then the relative change of velocity
 /// in the step says how far the flow is from steady.
 pub(crate) fn status(step: usize, r: &Report, left: Option<f64>) -> String {
-    let mut parts = vec![format!("t {} s", rounded(r.time, 5)), format!("step {step}")];
+    let mut parts = vec![format!("t {} s", rounded(r.time, 5))];
+    // Early in the line: a narrow terminal cuts the end off.
+    parts.extend(left.map(|left| format!("left {}", duration(left))));
+    parts.push(format!("step {step}"));
     let measured = r.residuals != Residuals::default();
     let (u, p) = if measured {
         (Some(r.residuals.u), Some(r.residuals.p))
@@ -92,7 +95,7 @@ pub(crate) fn status(step: usize, r: &Report, left: Option<f64>) -> String {
         parts.extend(value.map(|v| format!("{name} {}", residual(v))));
     }
     if r.residuals.viscosity > 0.0 {
-        parts.push(format!("viscosity {}", residual(r.residuals.viscosity)));
+        parts.push(format!("visc {}", residual(r.residuals.viscosity)));
     }
     parts.push(match (measured, r.converged) {
         (false, _) => format!("change {}", residual(r.change)),
@@ -100,7 +103,6 @@ pub(crate) fn status(step: usize, r: &Report, left: Option<f64>) -> String {
         (_, false) => format!("outer {} (not converged)", r.outer),
     });
     parts.push(format!("Co {}", number(r.courant[1])));
-    parts.extend(left.map(|left| format!("left {}", duration(left))));
     parts.join("  ")
 }
 
@@ -120,8 +122,8 @@ mod tests {
         };
         assert_eq!(
             status(1250, &r, Some(72.0)),
-            "t 1.25 s  step 1250  U 2.1e-9  p 3.4e-10  viscosity 8.0e-9  outer 3  Co 0.123  \
-             left 1 min 12 s"
+            "t 1.25 s  left 1 min 12 s  step 1250  U 2.1e-9  p 3.4e-10  visc 8.0e-9  outer 3  \
+             Co 0.123"
         );
         r.converged = false;
         r.residuals.viscosity = 0.0;

@@ -54,14 +54,13 @@ impl Flow {
         exec.for_each(&mut w.rho_phi.data, |first, out| {
             out.iter_mut().enumerate().for_each(|(i, m)| *m = rho * phi[first + i]);
         });
-        operators::transpose_stress_flux(
-            exec,
-            mesh,
-            &state.u,
-            &w.grad_u,
-            &w.eta_f,
-            &mut w.explicit,
-        );
+        if fluid.rheology.is_constant() {
+            // div(eta (grad U)^T) = eta grad(div U) = 0: leaving it out keeps its rounding out too.
+            w.explicit.data.fill([0.0; 3]);
+        } else {
+            let (u, grad_u) = (&state.u, &w.grad_u);
+            operators::transpose_stress_flux(exec, mesh, u, grad_u, &w.eta_f, &mut w.explicit);
+        }
         if mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0 {
             operators::non_orthogonal_flux(
                 exec,

@@ -95,7 +95,8 @@ impl Flow {
         &mut self,
         reduction: f64,
     ) -> Result<usize, granflow_linsolve::SolveError> {
-        let Flow { exec, mesh, state, numerics, work: w, .. } = self;
+        let Flow { exec, mesh, state, numerics, work: w, fluid, .. } = self;
+        let whole = !fluid.rheology.is_constant();
         let (exec, mesh, n) = (&*exec, &**mesh, mesh.n_cells);
         let Krylov { basis, preconditioned, change, gradient, transpose } = &mut w.krylov;
         let size = exec.dot(&w.residual, &w.residual).sqrt();
@@ -121,10 +122,12 @@ impl Flow {
             let solved = crate::settle(solver.solve(exec, &w.u_eqn.a, &basis[j], z, tolerance))?;
             iterations += solved.iterations;
             // w = A z - div(eta (grad z)^T)
-            change.cells.data.copy_from_slice(z);
-            mesh.halo.update(exec, &mut change.cells.data);
-            numerics.gradient.of(exec, mesh, change, gradient);
-            operators::transpose_stress_flux(exec, mesh, change, gradient, &w.eta_f, transpose);
+            if whole {
+                change.cells.data.copy_from_slice(z);
+                mesh.halo.update(exec, &mut change.cells.data);
+                numerics.gradient.of(exec, mesh, change, gradient);
+                operators::transpose_stress_flux(exec, mesh, change, gradient, &w.eta_f, transpose);
+            }
             let (known, next) = basis.split_at_mut(j + 1);
             let next = &mut next[0];
             w.u_eqn.a.apply(exec, z, next);

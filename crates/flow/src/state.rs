@@ -178,6 +178,12 @@ pub enum StepError {
         /// What the model said.
         source: RheologyError,
     },
+    /// A field is no longer a number on another rank.
+    #[error("a field is no longer finite on another rank, time {time}")]
+    Elsewhere {
+        /// Time, s.
+        time: f64,
+    },
     /// A field is no longer a number.
     #[error(
         "{field} is no longer finite in cell {cell} at ({}, {}, {}), time {time}: {cause}",

@@ -134,6 +134,8 @@ impl Flow {
         w.p_start.copy_from_slice(&state.p.cells.data);
         w.phi_start.copy_from_slice(&state.phi.data);
         fluid.rheology.begin_step();
+        w.clock_start = (state.time, state.step);
+        w.fresh = false;
         state.time += dt;
         state.step += 1;
         self.update_conditions();
@@ -156,12 +158,15 @@ impl Flow {
         report.courant = [sum / cells.max(1.0), greatest];
         state.u_old.copy_from_slice(&w.u_start);
         state.dt_old = dt;
+        w.fresh = true;
         Ok(())
     }
 
     /// Restores the state before the step that failed.
     pub fn rollback(&mut self) {
         let Flow { state, work: w, fluid, .. } = self;
+        (state.time, state.step) = w.clock_start;
+        w.fresh = false;
         state.u.cells.data.copy_from_slice(&w.u_start);
         state.p.cells.data.copy_from_slice(&w.p_start);
         state.phi.data.copy_from_slice(&w.phi_start);
@@ -189,6 +194,13 @@ impl Flow {
 
     fn check_finite(&self) -> Result<(), StepError> {
         let (u, p) = (&self.state.u.cells.data, &self.state.p.cells.data);
+        // Over all ranks first: one that stops alone would leave the others waiting.
+        let sound = |c: usize| u[c].iter().all(|x| x.is_finite()) && p[c].is_finite();
+        let bad = |r: std::ops::Range<usize>| r.map(|c| f64::from(u8::from(!sound(c))));
+        if self.exec.max(self.mesh.n_cells, |r| bad(r).fold(0.0, f64::max)) == 0.0 {
+            return Ok(());
+        }
+        let (u, p) = (&self.state.u.cells.data, &self.state.p.cells.data);
         let bad = |field, finite: &dyn Fn(usize) -> bool| {
             let cell = (0..self.mesh.n_cells).find(|&c| !finite(c))?;
             Some(StepError::NotFinite {
@@ -200,9 +212,9 @@ impl Flow {
                         condition leaves the flow undetermined",
             })
         };
-        let found = bad("U", &|c| u[c].iter().all(|x| x.is_finite()))
-            .or_else(|| bad("p", &|c| p[c].is_finite()));
-        found.map_or(Ok(()), Err)
+        Err(bad("U", &|c| u[c].iter().all(|x| x.is_finite()))
+            .or_else(|| bad("p", &|c| p[c].is_finite()))
+            .unwrap_or(StepError::Elsewhere { time: self.state.time }))
     }
 
     /// Strain rate, stress ratio and viscosity of the state, for output: 1/s, -, Pa s.
@@ -212,7 +224,11 @@ impl Flow {
     pub fn derived(&mut self) -> Result<Derived<'_>, StepError> {
         self.update_conditions();
         self.numerics.gradient.of(&self.exec, &self.mesh, &self.state.u, &mut self.work.grad_u);
-        self.recall_viscosity(self.state.dt_old.max(f64::MIN_POSITIVE))?;
+        if self.work.fresh {
+            self.total_pressure();
+        } else {
+            self.recall_viscosity(self.state.dt_old.max(f64::MIN_POSITIVE))?;
+        }
         let Flow { exec, mesh, work: w, state, .. } = self;
         w.reconstruction.viscous_stress(exec, mesh, &state.u, &w.grad_u, &w.eta_f, &mut w.stress);
         let (stress, eta) = (&w.stress, &w.eta.data);

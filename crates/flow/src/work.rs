@@ -16,6 +16,10 @@ pub(crate) struct Work {
     pub(crate) phi_start: Vec<f64>,
     pub(crate) u_start: Vec<Vec3>,
     pub(crate) p_start: Vec<f64>,
+    /// Time and number of the step before the present one.
+    pub(crate) clock_start: (f64, usize),
+    /// Whether `eta` is the viscosity that the last step accepted.
+    pub(crate) fresh: bool,
     /// ln(viscosity) of the outer iteration and what the rheology made of it.
     pub(crate) y: Vec<f64>,
     pub(crate) g_of_y: Vec<f64>,
@@ -72,6 +76,8 @@ impl Work {
             phi_start: vec![0.0; m.n_faces()],
             u_start: vec![[0.0; 3]; cells],
             p_start: vec![0.0; cells],
+            clock_start: (0.0, 0),
+            fresh: false,
             y: vec![0.0; m.n_cells],
             g_of_y: vec![0.0; m.n_cells],
             anderson: Anderson::new(m.n_cells, 10),

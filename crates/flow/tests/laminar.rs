@@ -8,10 +8,10 @@ use granflow_base::{Vec3, cross, dot, norm, unit};
 use granflow_flow::{Flow, Report};
 use granflow_linsolve::Tolerance;
 use granflow_mesh::{PatchKind, PolyMesh, shapes};
+use granflow_physics::LocalLaw;
 use granflow_physics::rheology::{
     Bingham, HerschelBulkley, MuI, Newtonian, Point, PowerLaw, Rheology,
 };
-use granflow_physics::LocalLaw;
 
 const LONG: f64 = 1e6;
 
@@ -76,8 +76,7 @@ fn plane_poiseuille_by_piso() {
     let mut s = Setup::new(&poly, numerics(1, 2));
     s.rho = 1000.0;
     s.gravity.driving = [1.0, 0.0, 0.0];
-    let mut flow =
-        s.flow(local(Newtonian { eta: 125.0 }), |_| fixed([0.0; 3]), |_| free());
+    let mut flow = s.flow(local(Newtonian { eta: 125.0 }), |_| fixed([0.0; 3]), |_| free());
     run(&mut flow, 0.5, 60);
     let e = error(&flow, |y| 4.0 * y * (1.0 - y));
     println!("Poiseuille by PISO {e:.1e}");

@@ -172,6 +172,7 @@ pub fn gamg<T: Value>() -> Box<dyn LinearSolver<T>> {
     Box::new(Gamg {
         cg: Pcg::new("GAMG", amg::multigrid()),
         stab: BiCgStab::new("GAMG", amg::multigrid()),
+        rescue: BiCgStab::new("GAMG", Box::<Incomplete>::default()),
         symmetric: None,
         u: Vec::new(),
         v: Vec::new(),
@@ -181,6 +182,9 @@ pub fn gamg<T: Value>() -> Box<dyn LinearSolver<T>> {
 struct Gamg<T: Value> {
     cg: Pcg<T>,
     stab: BiCgStab<T>,
+    /// In double precision throughout: takes over where coefficients vary so much that the
+    /// hierarchy's single precision loses positivity.
+    rescue: BiCgStab<T>,
     symmetric: Option<bool>,
     u: Vec<f64>,
     v: Vec<f64>,
@@ -206,9 +210,16 @@ impl<T: Value> LinearSolver<T> for Gamg<T> {
         if self.symmetric.is_none() {
             self.refresh(exec, a)?;
         }
-        match self.symmetric {
+        let solved = match self.symmetric {
             Some(false) => self.stab.solve(exec, a, b, x, tol),
             _ => self.cg.solve(exec, a, b, x, tol),
+        };
+        match solved {
+            Err(SolveError::NotPositiveDefinite { .. }) => {
+                self.rescue.refresh(exec, a)?;
+                self.rescue.solve(exec, a, b, x, tol)
+            }
+            other => other,
         }
     }
 }

@@ -162,14 +162,22 @@ impl<L: LocalLaw + ?Sized> Rheology for Local<L> {
         v: &FlowView<'_>,
         eta: &mut CellField<f64>,
     ) -> Result<RheologyInfo, RheologyError> {
+        let constant = self.0.is_constant();
         v.exec.for_each(&mut eta.data[..v.mesh.n_cells], |first, out| {
             for (i, eta) in out.iter_mut().enumerate() {
                 let c = first + i;
-                *eta = self.0.viscosity(Point {
+                let at = Point {
                     strain_rate: v.strain_rate[c],
                     pressure: v.pressure[c],
                     density: v.density[c],
-                });
+                };
+                *eta = self.0.viscosity(at);
+                if let (Some(stress), false) = (v.stress, constant) {
+                    // Halfway between holding the strain rate, which is right where walls drive
+                    // the flow, and holding the stress, which is right where forces do.
+                    let held = at_stress(&*self.0, at, stress[c]);
+                    *eta = (*eta * held).sqrt();
+                }
             }
         });
         Ok(RheologyInfo::default())
@@ -180,6 +188,26 @@ impl<L: LocalLaw + ?Sized> Rheology for Local<L> {
     fn reads_pressure(&self) -> bool {
         self.0.reads_pressure()
     }
+}
+
+/// The viscosity at which the law carries the stress `tau` (Pa): `viscosity(rate) rate = tau`, by
+/// bisection in the logarithm of the rate. Stress must grow with the rate.
+fn at_stress<L: LocalLaw + ?Sized>(law: &L, at: Point, tau: f64) -> f64 {
+    if tau <= 0.0 {
+        return law.viscosity(Point { strain_rate: 0.0, ..at });
+    }
+    let carried = |ln_rate: f64| {
+        let rate = ln_rate.exp();
+        law.viscosity(Point { strain_rate: rate, ..at }) * rate
+    };
+    let middle = at.strain_rate.max(f64::MIN_POSITIVE).ln();
+    // Thirty decades below and twenty above what flows now.
+    let (mut low, mut high) = (middle - 69.0, middle + 46.0);
+    for _ in 0..60 {
+        let ln_rate = 0.5 * (low + high);
+        if carried(ln_rate) < tau { low = ln_rate } else { high = ln_rate }
+    }
+    tau / (0.5 * (low + high)).exp()
 }
 
 /// What reading a rheology may depend on.
