@@ -4,11 +4,11 @@ use super::need_case;
 use crate::args::Place;
 use crate::failure::Failure;
 use crate::session::Session;
-use crate::text::{count, place};
-use granflow_case::store::{DirWriter, list_times};
+use crate::text::place;
+use granflow_case::init::from_orig;
+use granflow_case::store::list_times;
 use granflow_dict::{Sink, Source};
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 /// Runs the command.
@@ -30,8 +30,8 @@ pub(crate) fn command(session: &mut Session, args: &Place) -> Result<(), Failure
         let message = "system/setFieldsDict is not supported yet";
         return Err(Failure::refused(message, "remove it, and give the fields in `0.orig`"));
     }
-    let n = copy(root)?;
-    session.out.say(&format!("{} from {ORIG} in {}", count(n, "file"), place(root, "0")));
+    from_orig(root)?;
+    session.out.say(&format!("{} made from {ORIG}", place(root, "0")));
     Ok(())
 }
 
@@ -52,8 +52,8 @@ impl Initial {
         if !root.join(ORIG).is_dir() || !list_times(root)?.is_empty() {
             return Ok(Initial { made: None });
         }
-        copy(root)?;
-        Ok(Initial { made: Some(root.join("0")) })
+        let made = from_orig(root)?.then(|| root.join("0"));
+        Ok(Initial { made })
     }
     /// Lets findings about the files of `0`, which goes away again, name those of `0.orig`.
     pub(crate) fn restate(&self, root: &Path, sink: &Sink) {
@@ -83,37 +83,4 @@ impl Drop for Initial {
             let _ = fs::remove_dir_all(dir);
         }
     }
-}
-
-/// Copies `0.orig` to `0`, whole or not at all; returns the number of files.
-fn copy(root: &Path) -> Result<usize, Failure> {
-    let orig = root.join(ORIG);
-    let mut files = Vec::new();
-    collect(&orig, Path::new(""), &mut files).map_err(|e| unreadable(&orig, &e))?;
-    let mut writer = DirWriter::begin(&root.join("0"))?;
-    for rel in &files {
-        let path = orig.join(rel);
-        let bytes = fs::read(&path).map_err(|e| unreadable(&path, &e))?;
-        writer.file_plain(rel, &bytes)?;
-    }
-    writer.commit()?;
-    Ok(files.len())
-}
-
-fn unreadable(path: &Path, e: &io::Error) -> Failure {
-    Failure::Refused { message: format!("cannot read {}: {e}", path.display()), help: None }
-}
-
-fn collect(dir: &Path, rel: &Path, files: &mut Vec<PathBuf>) -> io::Result<()> {
-    let mut entries = fs::read_dir(dir.join(rel))?.collect::<io::Result<Vec<_>>>()?;
-    entries.sort_by_key(fs::DirEntry::file_name);
-    for entry in entries {
-        let path = rel.join(entry.file_name());
-        if dir.join(&path).is_dir() {
-            collect(dir, &path, files)?;
-        } else {
-            files.push(path);
-        }
-    }
-    Ok(())
 }

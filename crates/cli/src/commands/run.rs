@@ -22,10 +22,7 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
     let root = args.case.as_path();
     need_case(root)?;
     let signals = Signals::listen().map_err(Failure::Output)?;
-    let threads = args.threads.map_or_else(all_cores, usize::from);
-    let options = Options {
-        threads,
-        ranks: 1,
+    let mut options = Options {
         from: args.from.map(|from| match from {
             Start::Start => From::Start,
             Start::Latest => From::Latest,
@@ -33,6 +30,7 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
         }),
         until: args.until,
         stop: signals.stop(),
+        ..Options::default()
     };
     let initial = Initial::prepare(root)?;
     let loaded = Case::load(root, &options, &session.sink, &session.notices);
@@ -40,6 +38,7 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
         initial.restate(root, &session.sink);
     }
     let case = loaded?;
+    options.threads = args.threads.map_or_else(|| worthwhile(case.mesh.n_cells), usize::from);
     need_sound_mesh(&check(&case.poly))?;
     need_time_ahead(&case)?;
     session.changed = true;
@@ -52,7 +51,7 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
     }
     let mut run = Run::start(case, &options, &session.sink)?;
     session.speak_up();
-    introduce(session, run.case(), initialised, threads);
+    introduce(session, run.case(), initialised, options.threads);
 
     let begin = Instant::now();
     let mut tally = Tally::new(run.case());
@@ -114,8 +113,11 @@ pub(super) fn need_time_ahead(case: &Case) -> Result<(), Failure> {
     Err(Failure::refused(message, help))
 }
 
-fn all_cores() -> usize {
-    std::thread::available_parallelism().map_or(1, usize::from)
+/// As many threads as the mesh keeps busy: below some ten thousand cells each, waiting for one
+/// another costs more than sharing the work gains.
+fn worthwhile(cells: usize) -> usize {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    (cells / 10_000).clamp(1, cores)
 }
 
 fn introduce(session: &mut Session, case: &Case, initialised: bool, threads: usize) {
