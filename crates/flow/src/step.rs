@@ -2,7 +2,7 @@
 //! viscosity until the residuals of one and the same state are small, then the report.
 
 use crate::work::Work;
-use crate::{Fluid, Gravity, Numerics, Report, State, StepError};
+use crate::{Fluid, Gravity, Numerics, Report, Residuals, State, StepError};
 use granflow_base::norm;
 use granflow_linsolve::Solved;
 use granflow_mesh::Mesh;
@@ -112,6 +112,38 @@ impl Flow {
             report.residuals.p = self.continuity_residual();
         }
         Ok(settled && report.residuals.within(&self.numerics.control))
+    }
+
+    /// Residuals of the state as it stands, taken as a steady state (no inertia between steps);
+    /// nothing is changed. This is what tells a solution from a velocity that merely stands still:
+    /// all three are measured with each other's present fields.
+    ///
+    /// # Errors
+    /// [`StepError`] when the rheology gives no viscosity.
+    pub fn residuals(&mut self) -> Result<Residuals, StepError> {
+        const FOREVER: f64 = 1e30;
+        let Flow { state, work: w, fluid, .. } = self;
+        w.u_start.copy_from_slice(&state.u.cells.data);
+        w.p_start.copy_from_slice(&state.p.cells.data);
+        w.phi_start.copy_from_slice(&state.phi.data);
+        w.clock_start = (state.time, state.step);
+        fluid.rheology.begin_step();
+        self.update_conditions();
+        let Flow { exec, mesh, state, work: w, numerics, .. } = self;
+        numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
+        self.recall_viscosity(FOREVER)?;
+        self.assemble_momentum(FOREVER)?;
+        let mut residuals = Residuals {
+            u: self.momentum_residual(),
+            p: self.continuity_residual(),
+            viscosity: 0.0,
+        };
+        if !self.fluid.rheology.is_constant() {
+            self.evaluate_rheology(FOREVER)?;
+            residuals.viscosity = self.viscosity_residual();
+        }
+        self.rollback();
+        Ok(residuals)
     }
 
     /// Momentum, then the pressure corrections.

@@ -189,11 +189,19 @@ fn any_start_any_speed_any_step() {
     ];
     let (mut failed, mut worst) = (Vec::new(), 0);
     for v in [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1] {
+        let mut steady: Option<Vec<f64>> = None;
         for dt in [1e-6, 1e-5, 1e-4, 1e-2, 1.0, 1e6] {
             for (name, u0) in starts {
                 let mut flow = annular(64, v, p, Form::Steady, |r| v * u0(r), 150);
                 let report = run(&mut flow, dt, 1);
                 worst = worst.max(report.outer);
+                if dt == 1e6 {
+                    // One long step is the steady state, whatever it started from.
+                    let u: Vec<f64> = flow.state.u.cells.data[..64].iter().map(|u| u[1]).collect();
+                    let first = steady.get_or_insert_with(|| u.clone());
+                    let e = u.iter().zip(&*first).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                    assert!(e < 1e-6 * v, "{v} {name}: {e:.1e} from the first start's profile");
+                }
                 if !report.converged {
                     failed.push((v, dt, name, report.residuals));
                 }
@@ -227,4 +235,51 @@ fn sheared_layer_with_any_step_and_speed() {
             assert!(report.converged, "{v} {dt}: {:?}", report.residuals);
         }
     }
+}
+
+/// What a straightforward port of the paper takes for solutions: a velocity that satisfies
+/// momentum with a viscosity of the past (its loop between mu and g 2-cycles, and with an even
+/// number of turns the velocity stands still on a profile wrong by tens of per cent), and the
+/// uniform root mu = mu_s of the fluidity equation. Neither passes, and both are left.
+#[test]
+fn states_that_fool_the_port_do_not_pass() {
+    let rows = reference("annular_shear_cell/reference/annular_steady_neumann_I1e-03.csv");
+    let p = 1000.0;
+    let v = 2.9256998922e-3 * (p / BEADS.rho_s).sqrt();
+    let wrong = |flow: &mut Flow, fluidity: &dyn Fn(f64, usize) -> f64| {
+        let centres: Vec<f64> = flow.mesh.cell_centre.iter().map(|c| c[0]).collect();
+        let g = flow.fluid.rheology.field_mut().expect("fluidity");
+        (0..centres.len()).for_each(|c| g.data[c] = fluidity(centres[c], c));
+    };
+
+    // Momentum solved exactly, with a fluidity that does not belong to it: one pass a step, until
+    // the velocity stands still to the last digits.
+    let mut flow = annular(64, v, p, Form::Steady, |_| 0.0, 150);
+    run(&mut flow, 1e6, 1);
+    let g = flow.fluid.rheology.field().expect("fluidity").data.clone();
+    let shape = move |r: f64, c: usize| g[c] * (2e2 * (r - RI)).exp();
+    flow.numerics.outer = 1;
+    let mut report = Report::default();
+    for _ in 0..20 {
+        wrong(&mut flow, &shape);
+        report = run(&mut flow, 1e6, 1);
+    }
+    assert!(report.change < 1e-9, "it stands still: {:.1e}", report.change);
+    println!("stale viscosity: {:?}, error {:.2}", report.residuals, error(&flow, &rows, v));
+    assert!(error(&flow, &rows, v) > 0.02, "the trap is set");
+    assert!(!report.converged && report.residuals.viscosity > 1e-2);
+    wrong(&mut flow, &shape);
+    let residuals = flow.residuals().expect("residuals");
+    assert!(residuals.u < 1e-7 && residuals.viscosity > 1e-2, "{residuals:?}");
+    flow.numerics.outer = 150;
+    assert!(run(&mut flow, 1e6, 1).converged && error(&flow, &rows, v) < 1e-4);
+
+    // mu = mu_s everywhere: g = rate/mu_s with the rate that such a stress would give.
+    let mut flow = annular(64, v, p, Form::Steady, |r| v * (RO - r) / (RO - RI), 150);
+    let rate = |r: f64| v / (RO - RI) + v * (RO - r) / (RO - RI) / r;
+    wrong(&mut flow, &|r, _| rate(r) / BEADS.mu_s);
+    let residuals = flow.residuals().expect("residuals");
+    println!("mu = mu_s: {residuals:?}");
+    assert!(residuals.viscosity > 1e-2 || residuals.u > 1e-3, "{residuals:?}");
+    assert!(run(&mut flow, 1e6, 1).converged && error(&flow, &rows, v) < 1e-4);
 }

@@ -235,7 +235,10 @@ fn ranks_agree(
     let mut serial = Whole::default();
     let mut flow = flow_of(Exec::serial(), Mesh::new(poly).expect("a sound mesh"));
     let reference = run(&mut flow, dt, 3);
-    println!("serial: converged {} in {} outer, {:?}", reference.converged, reference.outer, reference.residuals);
+    println!(
+        "serial: converged {} in {} outer, {:?}",
+        reference.converged, reference.outer, reference.residuals
+    );
     serial.take(&flow, n);
     let part = partition(poly, ranks);
     let parts = decompose(poly, &part).expect("a sound decomposition");
