@@ -24,6 +24,8 @@
 //! source    = "..."
 //! ```
 
+#![allow(clippy::print_stdout, reason = "tests print what they measured")]
+
 use granflow_case::figures::expression::evaluate;
 use granflow_case::figures::table::Table;
 use std::path::{Path, PathBuf};

@@ -67,6 +67,8 @@ impl Flow {
                 if constant && outer == 1 {
                     // One pass was asked for and nothing depends on it: PISO.
                     report.converged = true;
+                    report.residuals.u = report.u.map_or(0.0, |(first, _)| first.first);
+                    report.residuals.p = self.continuity_residual();
                     break;
                 }
                 if self.measure(dt, constant, k == outer, &mut report)? {

@@ -37,12 +37,15 @@ fn div_v(p: Vec3) -> f64 {
     grad_f(p)[0] + grad_f([p[1], p[2], p[0]])[0] + p[0]
 }
 
-fn gradient_error(gradient: &Gradient, m: &Mesh, take: impl Fn(usize) -> bool) -> f64 {
+/// Greatest and mean error of the gradient in the cells off the boundary.
+fn gradient_error(gradient: &Gradient, m: &Mesh) -> [f64; 2] {
     let exec = Exec::serial();
     let phi = unknown(&exec, m, f, dirichlet(f));
     let mut g = vec![[0.0; 3]; m.n_all()];
     gradient.of(&exec, m, &phi, &mut g);
-    greatest(m, take, |c| norm(sub(g[c], grad_f(m.cell_centre[c]))))
+    let error = |c: usize| norm(sub(g[c], grad_f(m.cell_centre[c])));
+    let within = |c: usize| if inside(m, c) { error(c) } else { 0.0 };
+    [greatest(m, |c| inside(m, c), error), rms(m, within)]
 }
 
 #[test]
@@ -50,7 +53,7 @@ fn gauss_gradient_is_second_order_inside_regular_hexahedra() {
     let errors: Vec<f64> = [8, 16, 32]
         .map(|n| {
             let m = mesh(&shapes::unit_box([n; 3]));
-            gradient_error(&Gradient::GaussLinear, &m, |c| inside(&m, c))
+            gradient_error(&Gradient::GaussLinear, &m)[0]
         })
         .to_vec();
     println!("Gauss gradient inside: {errors:?} {:?}", orders(&errors));
@@ -67,12 +70,14 @@ fn least_squares_gradient_orders() {
                 name = what;
                 let m = mesh(&poly);
                 let least_squares = Gradient::LeastSquares(LeastSquares::new(&m));
-                gradient_error(&least_squares, &m, |c| inside(&m, c))
+                let [most, mean] = gradient_error(&least_squares, &m);
+                // Random cells: the more of them, the worse the worst.
+                if what == "displaced" { mean } else { most }
             })
             .to_vec();
         println!("least squares on {name}: {errors:?} {:?}", orders(&errors));
         // First order on any mesh, second where neighbours lie opposite each other.
-        let least = if name == "hexahedra" || name == "leaning" { 1.85 } else { 0.8 };
+        let least = if name == "hexahedra" || name == "leaning" { 1.85 } else { 0.9 };
         assert!(orders(&errors)[1] > least, "{name}: {errors:?}");
     }
 }
@@ -131,7 +136,15 @@ fn gauss_gradient_across_periodic_patches() {
 #[test]
 fn divergence_of_a_flux() {
     let exec = Exec::serial();
-    for (shape, least) in [(3, 1.85), (1, 1.85), (0, 0.8), (2, 0.8)] {
+    // Displaced hexahedra have warped faces, for which one point a face is no rule of any order;
+    // what does not vary leaves nothing behind on any mesh.
+    for (name, poly) in boxes(6) {
+        let m = mesh(&poly);
+        let mut d = vec![0.0; m.n_cells];
+        operators::divergence(&exec, &m, &uniform_flux(&m, [1.0, -2.0, 0.5]), &mut d);
+        assert!(greatest(&m, |_| true, |c| d[c].abs()) < 1e-12, "{name}");
+    }
+    for (shape, least) in [(3, 1.85), (1, 1.85), (2, 0.8)] {
         let mut name = "";
         let errors: Vec<f64> = [6, 12, 24]
             .map(|n| {
@@ -191,8 +204,18 @@ fn diffuse(m: &Mesh, phi: &mut Unknown<f64>, s: impl Fn(Vec3) -> f64, sink: f64)
 
 #[test]
 fn laplacian_with_fixed_values() {
+    fixed_values(&[0, 2, 3]);
+}
+
+/// Cells that lean at the wall: the line from the cell's centre to the face's is not normal.
+#[test]
+fn laplacian_with_fixed_values_on_leaning_cells() {
+    fixed_values(&[1]);
+}
+
+fn fixed_values(shapes: &[usize]) {
     let exec = Exec::serial();
-    for shape in 0..4 {
+    for &shape in shapes {
         let mut name = "";
         let errors: Vec<f64> = [6, 12, 24]
             .map(|n| {
@@ -260,6 +283,31 @@ fn laplacian_across_periodic_patches() {
     }
 }
 
+/// The same on leaning cells, where no boundary is: the correction is second order.
+#[test]
+fn laplacian_across_periodic_patches_on_leaning_cells() {
+    let exec = Exec::serial();
+    let (alpha, beta) = (-0.4 * TAU, TAU);
+    let wave = |[x, y, _]: Vec3| (TAU * (x - 0.4 * y)).sin() * (TAU * y).cos();
+    let minus_lap = |p: Vec3| {
+        let (a, b) = (TAU * (p[0] - 0.4 * p[1]), TAU * p[1]);
+        (TAU * TAU + alpha * alpha + beta * beta) * wave(p) + 2.0 * alpha * beta * a.cos() * b.sin()
+    };
+    let errors: Vec<f64> = [16, 32, 64]
+        .map(|n| {
+            let kinds = shapes::periodic_kinds([true; 3], PatchKind::Patch);
+            let (lo, hi) = ([0.0; 3], [1.0, 1.0, 1.0 / n as f64]);
+            let lean = |[x, y, z]: Vec3| [x + 0.4 * y, y, z];
+            let m = mesh(&shapes::mapped_box([n, n, 1], lo, hi, kinds, lean));
+            let mut phi = unknown(&exec, &m, |_| 0.0, dirichlet(wave));
+            diffuse(&m, &mut phi, |p| minus_lap(p) + wave(p), 1.0);
+            rms(&m, |c| phi.cells.data[c] - wave(m.cell_centre[c]))
+        })
+        .to_vec();
+    println!("Laplacian, periodic leaning: {errors:?} {:?}", orders(&errors));
+    assert!((orders(&errors)[1] - 2.0).abs() < 0.15, "{errors:?}");
+}
+
 /// `-lap U` of a cell, by the matrix, the boundary and nothing else; per volume.
 fn minus_laplacian(m: &Mesh, u: &mut Unknown<Vec3>) -> Vec<Vec3> {
     let exec = Exec::serial();
@@ -301,11 +349,16 @@ fn laplacian_of_solid_rotation_vanishes_to_rounding() {
         let mut g = vec![[0.0; 9]; m.n_all()];
         Gradient::GaussLinear.of(&exec, &m, &u, &mut g);
         let turning = [0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
-        let e = greatest(&m, |c| inside(&m, c), |c| {
+        let walls: Vec<usize> = ["inner", "outer"]
+            .iter()
+            .flat_map(|w| m.patches[m.patch(w).expect("a wall")].faces.clone())
+            .map(|f| m.owner[f] as usize)
+            .collect();
+        let e = greatest(&m, |c| !walls.contains(&c), |c| {
             (0..9).map(|i| (g[c][i] - turning[i]).abs()).fold(0.0, f64::max)
         });
         println!("{name}: gradient of rigid rotation off by {e:.1e}");
-        assert!(e < if name == "wedge" { 1e-3 } else { 0.05 }, "{name}: {e:.1e}");
+        assert!(e > 0.0 && e < if name == "wedge" { 1e-4 } else { 0.02 }, "{name}: {e:.1e}");
     }
 }
 

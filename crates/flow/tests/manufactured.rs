@@ -1,0 +1,380 @@
+//! The whole system of momentum and pressure against exact solutions of the Navier-Stokes
+//! equations, against the benchmark of the driven cavity, and where viscosity varies a millionfold.
+
+mod common;
+
+use common::*;
+use granflow_base::{Vec3, dot, norm, sub};
+use granflow_flow::{Flow, Report, ResidualControl, TimeScheme};
+use granflow_fv::conditions::{Condition, FixedValue};
+use granflow_fv::{CellField, Convection, Gradient, LeastSquares};
+use granflow_mesh::{Mesh, PatchKind, PolyMesh, shapes};
+use granflow_physics::rheology::{FlowView, Newtonian, Rheology, RheologyError, RheologyInfo};
+use std::f64::consts::{PI, TAU};
+
+const STEADY: f64 = 1e6;
+
+fn run(flow: &mut Flow, dt: f64, steps: usize) -> Report {
+    let mut last = Report::default();
+    for _ in 0..steps {
+        last = flow.step(dt).expect("a step");
+    }
+    last
+}
+
+/// Numbers in -1..1 that depend on `i` and `j` alone.
+fn noise(i: f64, j: f64) -> f64 {
+    let x = (12.9898 * i + 78.233 * j).sin() * 43758.5453;
+    2.0 * (x - x.floor()) - 1.0
+}
+
+/// A plane rectangle whose points off the boundary are moved within the plane at random.
+fn rectangle(n: [usize; 2], lo: [f64; 2], hi: [f64; 2], amount: f64) -> PolyMesh {
+    let h = [0, 1].map(|d| (hi[d] - lo[d]) / n[d] as f64);
+    let mut kinds = shapes::all(PatchKind::Wall);
+    (kinds[4], kinds[5]) = (PatchKind::Empty, PatchKind::Empty);
+    let map = |[x, y, z]: Vec3| {
+        let (i, j) = (((x - lo[0]) / h[0]).round(), ((y - lo[1]) / h[1]).round());
+        let edge = i == 0.0 || j == 0.0 || i == n[0] as f64 || j == n[1] as f64;
+        let a = if edge { 0.0 } else { amount };
+        [x + a * h[0] * noise(i, j), y + a * h[1] * noise(j + 0.5, i), z]
+    };
+    shapes::mapped_box([n[0], n[1], 1], [lo[0], lo[1], 0.0], [hi[0], hi[1], h[0]], kinds, map)
+}
+
+/// The exact velocity at every face of a patch.
+fn exact_on(m: &Mesh, patch: &str, u: impl Fn(Vec3) -> Vec3) -> Box<dyn Condition<Vec3>> {
+    let patch = &m.patches[m.patch(patch).expect("a patch")];
+    Box::new(FixedValue::per_face(patch.faces.clone().map(|f| u(m.face_centre[f])).collect()))
+}
+
+/// Root mean square errors of U and of p up to a constant.
+fn errors(flow: &Flow, u: impl Fn(Vec3) -> Vec3, p: impl Fn(Vec3) -> f64) -> [f64; 2] {
+    let m = &flow.mesh;
+    let x = |c: usize| m.cell_centre[c];
+    let off = |c: usize| flow.state.p.cells.data[c] - p(x(c));
+    let volume: f64 = m.volume[..m.n_cells].iter().sum();
+    let mean = (0..m.n_cells).map(|c| m.volume[c] * off(c)).sum::<f64>() / volume;
+    [rms(m, |c| norm(sub(flow.state.u.cells.data[c], u(x(c))))), rms(m, |c| off(c) - mean)]
+}
+
+/// L. I. G. Kovasznay, Math. Proc. Camb. Phil. Soc. 44 (1948) 58: the wake of a grid, Re 40.
+fn kovasznay(n: usize, amount: f64, gradient: fn(&Mesh) -> Gradient) -> [f64; 2] {
+    let re = 40.0;
+    let l = 0.5 * re - (0.25 * re * re + 4.0 * PI * PI).sqrt();
+    let u = move |[x, y, _]: Vec3| {
+        let e = (l * x).exp();
+        [1.0 - e * (TAU * y).cos(), l / TAU * e * (TAU * y).sin(), 0.0]
+    };
+    let p = move |[x, ..]: Vec3| -0.5 * (2.0 * l * x).exp();
+    let poly = rectangle([3 * n, 4 * n], [-0.5, -0.5], [1.0, 1.5], amount);
+    let mut numerics = numerics(300, 1);
+    numerics.convection = Convection::Linear;
+    numerics.non_orthogonal_correctors = if amount > 0.0 { 2 } else { 0 };
+    numerics.u = solve_loosely("PBiCGStab", "DILU", 1e-3);
+    numerics.p = solve_loosely("PCG", "DIC", 1e-3);
+    let mut s = Setup::new(&poly, numerics);
+    s.numerics.gradient = gradient(&s.mesh);
+    s.rho = 1.0;
+    s.u0.fill([1.0, 0.0, 0.0]);
+    let m = s.mesh.clone();
+    let mut flow =
+        s.flow(local(Newtonian { eta: 1.0 / re }), |patch| exact_on(&m, patch, u), |_| free());
+    // A time step of a few Courant numbers, then the steady state in one.
+    run(&mut flow, 0.1, 10);
+    let report = run(&mut flow, STEADY, 1);
+    println!("{n}: {} outer, {:?}", report.outer, report.residuals);
+    assert!(report.converged, "{n}: {report:?}");
+    errors(&flow, u, p)
+}
+
+fn kovasznay_orders(what: &str, amount: f64, gradient: fn(&Mesh) -> Gradient, least: [f64; 2]) {
+    let e = [4, 8, 16].map(|n| kovasznay(n, amount, gradient));
+    let [u, p] = [0, 1].map(|k| e.iter().map(|e| e[k]).collect::<Vec<f64>>());
+    println!("Kovasznay, {what}: U {} {:?}", short(&u), orders(&u));
+    println!("Kovasznay, {what}: p {} {:?}", short(&p), orders(&p));
+    assert!(orders(&u)[1] >= least[0], "{what}: U {u:?}");
+    assert!(orders(&p)[1] >= least[1], "{what}: p {p:?}");
+}
+
+#[test]
+fn kovasznay_flow_on_rectangles() {
+    kovasznay_orders("rectangles", 0.0, |_| Gradient::GaussLinear, [1.8, 1.4]);
+}
+
+#[test]
+fn kovasznay_flow_on_displaced_cells_gauss() {
+    kovasznay_orders("displaced, Gauss", 0.2, |_| Gradient::GaussLinear, [1.8, 1.4]);
+}
+
+#[test]
+fn kovasznay_flow_on_displaced_cells_least_squares() {
+    let gradient = |m: &Mesh| Gradient::LeastSquares(LeastSquares::new(m));
+    kovasznay_orders("displaced, least squares", 0.2, gradient, [1.8, 1.4]);
+}
+
+const NU: f64 = 0.05;
+
+/// G. I. Taylor, A. E. Green, Proc. R. Soc. A 158 (1937) 499: vortices that decay.
+fn taylor_green(t: f64) -> impl Fn(Vec3) -> Vec3 {
+    let decay = (-2.0 * NU * t).exp();
+    move |[x, y, _]| [x.sin() * y.cos() * decay, -x.cos() * y.sin() * decay, 0.0]
+}
+
+fn vortices(n: usize, scheme: TimeScheme, piso: bool) -> Flow {
+    let kinds = shapes::periodic_kinds([true; 3], PatchKind::Patch);
+    let poly = shapes::box_mesh([n, n, 1], [0.0; 3], [TAU, TAU, TAU / n as f64], kinds);
+    let mut numerics = if piso { numerics(1, 3) } else { numerics(60, 1) };
+    numerics.control = ResidualControl { u: 1e-10, p: 1e-10, viscosity: 1e-10 };
+    numerics.convection = Convection::Linear;
+    numerics.ddt = scheme;
+    numerics.u = solve_loosely("PBiCGStab", "DILU", 1e-10);
+    numerics.p = solve_loosely("PCG", "DIC", 1e-10);
+    let mut s = Setup::new(&poly, numerics);
+    s.rho = 1.0;
+    let u = taylor_green(0.0);
+    for c in 0..s.mesh.n_cells {
+        s.u0[c] = u(s.mesh.cell_centre[c]);
+    }
+    let mut flow = s.flow(local(Newtonian { eta: NU }), |_| free(), |_| free());
+    for f in 0..flow.mesh.n_faces() {
+        flow.state.phi.data[f] = dot(u(flow.mesh.face_centre[f]), flow.mesh.area[f]);
+    }
+    flow
+}
+
+#[test]
+fn taylor_green_in_space() {
+    let (t, steps) = (0.5, 50);
+    let pressure =
+        |p: Vec3| 0.25 * ((2.0 * p[0]).cos() + (2.0 * p[1]).cos()) * (-4.0 * NU * t).exp();
+    let e = [16, 32, 64].map(|n| {
+        let mut flow = vortices(n, TimeScheme::Backward, true);
+        run(&mut flow, t / steps as f64, steps);
+        errors(&flow, taylor_green(t), pressure)
+    });
+    let [u, p] = [0, 1].map(|k| e.iter().map(|e| e[k]).collect::<Vec<f64>>());
+    println!("Taylor-Green in space: U {} {:?}", short(&u), orders(&u));
+    println!("Taylor-Green in space: p {} {:?}", short(&p), orders(&p));
+    assert!((orders(&u)[0] - 2.0).abs() < 0.2, "{u:?}");
+    assert!((orders(&p)[0] - 2.0).abs() < 0.3, "{p:?}");
+}
+
+/// Error against the finest step on the same mesh.
+fn in_time(scheme: TimeScheme, piso: bool) -> Vec<f64> {
+    let t = 2.0;
+    let solve = |scheme, steps: usize| {
+        let mut flow = vortices(16, scheme, piso);
+        run(&mut flow, t / steps as f64, steps);
+        flow
+    };
+    let finest = solve(TimeScheme::Backward, 640);
+    let of = |flow: &Flow| {
+        rms(&flow.mesh, |c| norm(sub(flow.state.u.cells.data[c], finest.state.u.cells.data[c])))
+    };
+    [10, 20, 40].map(|steps| of(&solve(scheme, steps))).to_vec()
+}
+
+#[test]
+fn taylor_green_in_time() {
+    for piso in [false, true] {
+        let euler = in_time(TimeScheme::Euler, piso);
+        let backward = in_time(TimeScheme::Backward, piso);
+        println!("PISO {piso}: Euler {} {:?}", short(&euler), orders(&euler));
+        println!("PISO {piso}: backward {} {:?}", short(&backward), orders(&backward));
+        assert!((orders(&euler)[1] - 1.0).abs() < 0.15, "PISO {piso}: {euler:?}");
+        assert!((orders(&backward)[1] - 2.0).abs() < 0.3, "PISO {piso}: {backward:?}");
+    }
+}
+
+/// A cavity of unit side and lid speed, driven to its steady state.
+fn cavity(n: usize, re: f64, dt: f64, outer: usize) -> Flow {
+    let poly = rectangle([n, n], [0.0; 2], [1.0; 2], 0.0);
+    let mut numerics = numerics(outer, 1);
+    numerics.convection = Convection::Linear;
+    numerics.u = solve_loosely("PBiCGStab", "DILU", 1e-3);
+    numerics.p = solve_loosely("PCG", "DIC", 1e-3);
+    numerics.control = ResidualControl { u: 1e-9, p: 1e-9, viscosity: 1e-9 };
+    let mut s = Setup::new(&poly, numerics);
+    s.rho = 1.0;
+    let lid = |patch: &str| fixed(if patch == "yMax" { [1.0, 0.0, 0.0] } else { [0.0; 3] });
+    let mut flow = s.flow(local(Newtonian { eta: 1.0 / re }), lid, |_| free());
+    let mut report = Report::default();
+    for _ in 0..2000 {
+        report = run(&mut flow, dt, 1);
+        if report.change < 1e-10 * dt.min(1.0) {
+            break;
+        }
+    }
+    println!("cavity {n} dt {dt}: t {}, {} outer, {:?}", report.time, report.outer, report.change);
+    assert!(report.converged && report.change < 1e-9, "{report:?}");
+    flow
+}
+
+/// U. Ghia, K. N. Ghia, C. T. Shin, J. Comput. Phys. 48 (1982) 387, table I, Re 100.
+const GHIA: [[f64; 2]; 15] = [
+    [0.0547, -0.03717],
+    [0.0625, -0.04192],
+    [0.0703, -0.04775],
+    [0.1016, -0.06434],
+    [0.1719, -0.10150],
+    [0.2813, -0.15662],
+    [0.4531, -0.21090],
+    [0.5, -0.20581],
+    [0.6172, -0.13641],
+    [0.7344, 0.00332],
+    [0.8516, 0.23151],
+    [0.9531, 0.68717],
+    [0.9609, 0.73722],
+    [0.9688, 0.78871],
+    [0.9766, 0.84123],
+];
+
+#[test]
+fn driven_cavity_meets_ghia() {
+    for (n, most) in [(32, 0.015), (64, 0.006)] {
+        let flow = cavity(n, 100.0, 10.0, 60);
+        let m = &flow.mesh;
+        let h = 1.0 / n as f64;
+        let mut rows = vec![vec![0.0, 0.0]];
+        for j in 0..n {
+            let y = (j as f64 + 0.5) * h;
+            let beside = (0..m.n_cells).filter(|&c| {
+                let [cx, cy, _] = m.cell_centre[c];
+                (cx - 0.5).abs() < 0.6 * h && (cy - y).abs() < 0.1 * h
+            });
+            rows.push(vec![y, 0.5 * beside.map(|c| flow.state.u.cells.data[c][0]).sum::<f64>()]);
+        }
+        rows.push(vec![1.0, 1.0]);
+        let worst =
+            GHIA.iter().map(|[y, u]| (interpolate(&rows, 0, 1, *y) - u).abs()).fold(0.0, f64::max);
+        println!("cavity {n}: {:.2} % of the lid's speed from Ghia et al.", 100.0 * worst);
+        assert!(worst < most, "{n}: {worst}");
+    }
+}
+
+#[test]
+fn the_steady_state_does_not_depend_on_the_time_step() {
+    let short = cavity(16, 100.0, 0.1, 40);
+    let long = cavity(16, 100.0, 10.0, 40);
+    let m = &short.mesh;
+    let (a, b) = (&short.state.u.cells.data, &long.state.u.cells.data);
+    let u = greatest(m, |c| norm(sub(a[c], b[c])));
+    let phi = (0..m.n_faces())
+        .map(|f| (short.state.phi.data[f] - long.state.phi.data[f]).abs() / m.mag_area[f])
+        .fold(0.0, f64::max);
+    println!("100 times the step: U {u:.1e}, flux {phi:.1e}");
+    assert!(u < 1e-6 && phi < 1e-6, "{u:.1e} {phi:.1e}");
+}
+
+/// A viscosity that depends on the place alone.
+struct Placed<F>(F);
+impl<F: Fn(Vec3) -> f64 + Send> Rheology for Placed<F> {
+    fn update(
+        &mut self,
+        v: &FlowView<'_>,
+        eta: &mut CellField<f64>,
+    ) -> Result<RheologyInfo, RheologyError> {
+        (0..v.mesh.n_cells).for_each(|c| eta.data[c] = (self.0)(v.mesh.cell_centre[c]));
+        Ok(RheologyInfo::default())
+    }
+}
+
+fn layers(n: usize, eta: fn(Vec3) -> f64) -> Flow {
+    let h = 1.0 / n as f64;
+    let kinds = shapes::periodic_kinds([true, false, true], PatchKind::Wall);
+    let poly = shapes::box_mesh([2, n, 1], [0.0; 3], [2.0 * h, 1.0, h], kinds);
+    let s = Setup::new(&poly, numerics(60, 1));
+    let lid = |patch: &str| fixed(if patch == "yMax" { [1.0, 0.0, 0.0] } else { [0.0; 3] });
+    s.flow(Box::new(Placed(eta)), lid, |_| free())
+}
+
+fn couette_error(flow: &Flow, exact: impl Fn(f64) -> f64) -> f64 {
+    let m = &flow.mesh;
+    greatest(m, |c| (flow.state.u.cells.data[c][0] - exact(m.cell_centre[c][1])).abs())
+}
+
+/// Viscosity grows a millionfold from wall to wall, as it does where grains creep.
+#[test]
+fn couette_flow_with_exponential_viscosity() {
+    let k = 1e6f64.ln();
+    let exact = |y: f64| (1.0 - (-k * y).exp()) / (1.0 - (-k).exp());
+    let e: Vec<f64> = [20, 40, 80]
+        .map(|n| {
+            let mut flow = layers(n, |p| (1e6f64.ln() * p[1]).exp());
+            let report = run(&mut flow, STEADY, 2);
+            assert!(report.converged, "{report:?}");
+            couette_error(&flow, exact)
+        })
+        .to_vec();
+    println!("Couette, exponential viscosity: {} {:?}", short(&e), orders(&e));
+    assert!(orders(&e).iter().all(|o| *o > 1.8) && e[2] < 4e-3, "{e:?}");
+}
+
+/// Two layers: what shears is the soft one. The geometric mean between cells, exact for
+/// exponential change, leaves half a cell of it out: first order where viscosity jumps.
+#[test]
+fn couette_flow_of_two_layers() {
+    let exact = |y: f64| {
+        let tau = 1.0 / (0.5 + 0.5e-6);
+        if y < 0.5 { tau * y } else { 1.0 - 1e-6 * tau * (1.0 - y) }
+    };
+    let e: Vec<f64> = [20, 40, 80]
+        .map(|n| {
+            let mut flow = layers(n, |p| if p[1] < 0.5 { 1.0 } else { 1e6 });
+            let report = run(&mut flow, STEADY, 2);
+            assert!(report.converged, "{report:?}");
+            couette_error(&flow, exact)
+        })
+        .to_vec();
+    println!("Couette, two layers: {} {:?}", short(&e), orders(&e));
+    assert!(orders(&e).iter().all(|o| *o > 0.9) && e[2] < 0.02, "{e:?}");
+}
+
+#[test]
+fn short_steps_with_a_viscosity_contrast_are_stable() {
+    for eta in [
+        (|p: Vec3| (1e6f64.ln() * p[1]).exp()) as fn(Vec3) -> f64,
+        |p| if p[1] < 0.5 { 1.0 } else { 1e6 },
+        |p| if p[1] > 0.5 { 1.0 } else { 1e6 },
+    ] {
+        let mut flow = layers(40, eta);
+        for _ in 0..30 {
+            let report = run(&mut flow, 1e-3, 1);
+            assert!(report.converged, "{report:?}");
+            let u = &flow.state.u.cells.data;
+            assert!(u.iter().all(|u| u[0] > -1e-9 && u[0] < 1.0 + 1e-9), "out of bounds");
+            assert!(u.iter().all(|u| u[1].abs() < 1e-9 && u[2].abs() < 1e-9), "across the shear");
+        }
+    }
+}
+
+/// Cells of random viscosity, six decades apart, under a lid.
+#[test]
+fn random_viscosity_under_a_lid() {
+    let n = 20;
+    for dt in [STEADY, 1e-3] {
+        let poly = rectangle([n, n], [0.0; 2], [1.0; 2], 0.0);
+        let mut numerics = numerics(400, 1);
+        numerics.u = solve_loosely("PBiCGStab", "DILU", 1e-4);
+        numerics.p = solve_loosely("PCG", "DIC", 1e-4);
+        let s = Setup::new(&poly, numerics);
+        let lid = |patch: &str| fixed(if patch == "yMax" { [1.0, 0.0, 0.0] } else { [0.0; 3] });
+        let eta = move |p: Vec3| {
+            let [i, j] = [p[0], p[1]].map(|x| (x * n as f64).floor());
+            10f64.powf(3.0 * noise(i, j))
+        };
+        let mut flow = s.flow(Box::new(Placed(eta)), lid, |_| free());
+        for step in 0..3 {
+            let report = run(&mut flow, dt, 1);
+            let most = greatest(&flow.mesh, |c| norm(flow.state.u.cells.data[c]));
+            println!(
+                "random viscosity, dt {dt:.0e}: {} outer, |U| {most:.2}, change {:.1e}, {:?}",
+                report.outer, report.change, report.residuals
+            );
+            assert!(report.converged, "dt {dt:.0e}, step {step}: {report:?}");
+            assert!(most < 1.5, "dt {dt:.0e}: {most}");
+            assert!(step == 0 || dt < 1.0 || report.change < 1e-5, "{report:?}");
+        }
+    }
+}
