@@ -2,9 +2,9 @@
 
 use crate::config::{ReferenceCell, StartFrom};
 use crate::restart::{WholeState, start_dir};
-use crate::{CaseConfig, CaseError, Notices, meshing};
+use crate::{CaseConfig, CaseError, Notices, figures, init, meshing};
 use granflow_base::{Tensor, Vec3, dot, norm, scale, sub, unit};
-use granflow_dict::{Diag, Sink};
+use granflow_dict::{Diag, Sink, number};
 use granflow_flow::Gravity;
 use granflow_mesh::{Mesh, PolyMesh};
 use std::path::{Path, PathBuf};
@@ -84,7 +84,8 @@ impl Case {
         let mesh = match meshing::prepare(&poly) {
             Ok(m) => m,
             Err(e) => {
-                let path = root.join(meshing::POLY_MESH).display().to_string();
+                let file = if loaded.made { meshing::BLOCK_MESH } else { meshing::POLY_MESH };
+                let path = root.join(file).display().to_string();
                 sink.push(Diag::file(path, e.to_string()).help("`granflow check` says more"));
                 return Err(CaseError::Invalid);
             }
@@ -94,14 +95,21 @@ impl Case {
             StartFrom::First => From::Start,
             StartFrom::Time(t) => From::Time(t),
         });
-        let dir = start_dir(root, from, sink)?;
+        // What the options ask for has no place in a file.
+        let said = options.from.is_none().then_some(&config.control.start_span);
+        let dir = start_dir(root, from, said, sink)?;
         let start = WholeState::read(root, &dir, &config, &poly, sink)?;
         for f in &config.functions {
             f.plan.check(&mesh, &config, sink);
         }
+        figures::check(root, sink)?;
         let gravity = split_gravity(root, &config, &mesh, sink, notices);
         let Some(start) = start else { return Err(CaseError::Invalid) };
         let end = options.until.unwrap_or(config.control.end);
+        need_time_ahead(&config, options, &start, end, sink);
+        if start.step == 0 {
+            init::warn_of_set_fields(root, &dir, sink);
+        }
         let mut case = Case {
             root: root.to_owned(),
             config,
@@ -127,12 +135,6 @@ impl Case {
     }
 
     fn say(&self, notices: &Notices) {
-        if self.config.control.format == granflow_dict::Format::Ascii {
-            notices.say(
-                "numbers are written with the fewest digits that read back to the same bits: \
-                 writePrecision is not needed",
-            );
-        }
         if self.start.kinematic() && self.config.transport.rho != 1.0 {
             notices.say(format!(
                 "the pressure in the files is kinematic (m2/s2): times rho = {} kg/m3 inside",
@@ -185,6 +187,32 @@ impl Case {
             self.config.transport.rho * dot(self.gravity.hydrostatic, self.mesh.cell_centre[here]);
         Some((cell, given.value * self.pressure_factor() - weight))
     }
+}
+
+/// Refuses an end before the start; an end that is reached already, give or take the rounding of
+/// many steps, is none.
+fn need_time_ahead(
+    config: &CaseConfig,
+    options: &Options,
+    start: &WholeState,
+    end: f64,
+    sink: &Sink,
+) {
+    // With a wrong deltaT this is NaN, and only that is said.
+    let late = start.time - 0.5 * config.control.dt;
+    if end >= late || late.is_nan() || end.is_nan() {
+        return;
+    }
+    let begin = format!("{} s (directory {})", number(start.time), start.dir);
+    sink.push(match options.until {
+        Some(end) => Diag::file("", format!("--until {end} lies before the start at {begin}")),
+        None => {
+            let message = format!("endTime {} lies before the start at {begin}", number(end));
+            Diag::error(&config.control.end_span, message)
+                .label("before the start")
+                .help("set a later endTime or --until, or an earlier startTime or --from")
+        }
+    });
 }
 
 /// Splits gravity: p_rgh is periodic, so what acts along a cyclic direction is a body force.

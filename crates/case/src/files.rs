@@ -58,7 +58,7 @@ pub fn source(root: &Path, rel: impl AsRef<Path>) -> Result<Option<Arc<Source>>,
 }
 
 /// A path as messages show it: without the `./` of the current directory.
-fn shown(path: &Path) -> String {
+pub(crate) fn shown(path: &Path) -> String {
     path.strip_prefix(".").unwrap_or(path).display().to_string()
 }
 

@@ -13,6 +13,8 @@ use std::path::Path;
 
 /// Folder of the mesh in a case.
 pub const POLY_MESH: &str = "constant/polyMesh";
+/// What a mesh is made from.
+pub const BLOCK_MESH: &str = "system/blockMeshDict";
 
 /// A mesh in the user's numbering.
 pub struct Loaded {
@@ -93,7 +95,7 @@ pub fn write(
 
 /// The mesh of `blockMeshDict`.
 fn from_blocks(root: &Path, sink: &Sink) -> Result<PolyMesh, CaseError> {
-    let mut found = files::dict(root, "system/blockMeshDict", sink)?;
+    let mut found = files::dict(root, BLOCK_MESH, sink)?;
     if found.is_none() {
         found = files::dict(root, "constant/polyMesh/blockMeshDict", sink)?;
     }

@@ -4,7 +4,7 @@ use crate::fields::{VolField, read_surface, read_vol};
 use crate::store::{StoreError, TimeName, list_times};
 use crate::{CaseConfig, CaseError, files};
 use granflow_base::{Dims, Vec3};
-use granflow_dict::{Diag, Format, Header, Reader, Severity, Sink, Writer, number};
+use granflow_dict::{Diag, Format, Header, Reader, Severity, Sink, Span, Writer, number};
 use granflow_mesh::PolyMesh;
 use std::path::Path;
 
@@ -171,11 +171,17 @@ impl Clock {
     }
 }
 
-/// The name of the time directory to start from.
+/// The name of the time directory to start from. `said` is where a file asks for it; without,
+/// the options do.
 ///
 /// # Errors
 /// The case directory cannot be read; [`CaseError::Invalid`] when it has no time directory.
-pub fn start_dir(root: &Path, from: crate::From, sink: &Sink) -> Result<String, CaseError> {
+pub fn start_dir(
+    root: &Path,
+    from: crate::From,
+    said: Option<&Span>,
+    sink: &Sink,
+) -> Result<String, CaseError> {
     let times = list_times(root)?;
     let found = match from {
         crate::From::Start => times.first(),
@@ -190,8 +196,13 @@ pub fn start_dir(root: &Path, from: crate::From, sink: &Sink) -> Result<String, 
             && (t - wanted).abs() > 1e-6 * wanted.abs().max(t.abs())
         {
             let names: Vec<String> = times.iter().filter_map(|x| name_of(&x.1)).collect();
-            let d = Diag::file(root.display().to_string(), format!("there is no time {wanted}"));
-            sink.push(d.help(format!("the case has the times {}", names.join(", "))));
+            let message = format!("the case has no time {wanted}");
+            let times = if names.len() == 1 { "its only time is" } else { "it has the times" };
+            let times = format!("{times} {}", names.join(", "));
+            sink.push(match said {
+                Some(at) => Diag::error(at, message).label("asked for here").help(times),
+                None => Diag::file("", format!("--from {wanted}: {message}; {times}")),
+            });
             return Err(CaseError::Invalid);
         }
         if let Some(name) = name_of(path) {

@@ -87,8 +87,13 @@ impl Run {
             }
         }
         // Only a case without any time starts from 0.orig.
-        if list_times(root)?.is_empty() && init::from_orig(root)? {
-            notices.say("0.orig was copied to 0");
+        if list_times(root)?.is_empty() && root.join("0.orig").is_dir() {
+            if init::refuse_set_fields(root, sink) {
+                return Err(CaseError::Invalid);
+            }
+            if init::from_orig(root)? {
+                notices.say("0.orig was copied to 0");
+            }
         }
         let case = Case::load(root, options, sink, notices)?;
         Run::start(case, options, sink)

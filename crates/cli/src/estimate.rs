@@ -97,6 +97,16 @@ fn granular(case: &Case, grains: &Granular, drives: &[Drive], say: &mut impl FnM
             );
         }
     }
+    if let Some(xi) = case.config.transport.cooperativity {
+        let cells = xi / coarsest;
+        let verdict = if cells < 2.0 { "not resolved" } else { "resolved" };
+        let text = format!(
+            "{} grains or more below yield: {} cells at the coarsest ({verdict})",
+            number(xi / grains.d),
+            number(cells)
+        );
+        say("xi", text);
+    }
     let pressures = pressures(case);
     let (low, high) =
         pressures.iter().fold((f64::INFINITY, 0.0_f64), |(a, b), p| (a.min(*p), b.max(*p)));

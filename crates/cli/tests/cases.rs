@@ -85,6 +85,13 @@ fn columns(root: &Path, file: &str, wanted: &[&str]) -> Vec<Vec<f64>> {
         .collect()
 }
 
+/// The greatest magnitude; no value at all and a value that is no number are errors.
+fn greatest(values: impl Iterator<Item = f64>) -> f64 {
+    let all: Vec<f64> = values.map(f64::abs).collect();
+    assert!(!all.is_empty() && all.iter().all(|v| v.is_finite()), "{all:?}");
+    all.into_iter().fold(0.0, f64::max)
+}
+
 /// Cubic interpolation of the points `(x, y)`, x growing, at `at`.
 fn interpolate(x: &[f64], y: &[f64], at: f64) -> f64 {
     let k = x.partition_point(|v| *v < at).clamp(2, x.len() - 2) - 2;
@@ -126,7 +133,7 @@ fn check(case: &Path, ran: &Path) {
             }
             None if word("exact").is_some() => {
                 let own = columns(ran, must("file"), &[must("y"), must("exact")]);
-                own[0].iter().zip(&own[1]).map(|(y, e)| (y - e).abs()).fold(0.0, f64::max)
+                greatest(own[0].iter().zip(&own[1]).map(|(y, e)| y - e))
             }
             None => {
                 let own = columns(ran, must("file"), &[must("x"), must("y")]);
@@ -135,8 +142,7 @@ fn check(case: &Path, ran: &Path) {
                 let few = of[0].len() < own[0].len();
                 let (points, curve) = if few { (&of, &own) } else { (&own, &of) };
                 let each = points[0].iter().zip(&points[1]);
-                each.map(|(x, y)| (y - interpolate(&curve[0], &curve[1], *x)).abs())
-                    .fold(0.0, f64::max)
+                greatest(each.map(|(x, y)| y - interpolate(&curve[0], &curve[1], *x)))
             }
         };
         println!("{name}: {what}: {error:.2e} of {tolerance:.1e}");

@@ -39,6 +39,7 @@ const CONTROL: &str = "system/controlDict";
 const SCHEMES: &str = "system/fvSchemes";
 const SOLUTION: &str = "system/fvSolution";
 const BLOCKS: &str = "system/blockMeshDict";
+const PLOT: &str = "system/plotDict";
 const TRANSPORT: &str = "constant/transportProperties";
 
 // ---- syntax
@@ -52,7 +53,6 @@ bad! {
     macro_undefined: cavity().edit(CONTROL, "endTime         0.1;", "endTime         $lastTime;");
     include_missing: cavity().edit(CONTROL, "application ", "#include \"settings\"\napplication ");
     code_stream: cavity().edit(CONTROL, "endTime         0.1;", "endTime #codeStream { code #{ os << 1; #}; };");
-    #[ignore = "the case crate takes an empty controlDict for a missing one that was reported"]
     empty_file: cavity().write(CONTROL, "");
 }
 
@@ -69,6 +69,9 @@ bad! {
     function_on_no_patch: ring().edit(CONTROL, "patches (inner);", "patches (iner);");
     function_on_no_field: ring().edit(CONTROL, "fields  (U fluidity);", "fields  (U fluidty);");
     no_such_start: cavity().edit(CONTROL, "startTime       0;", "startTime       3;");
+    empty_value: cavity().edit(CONTROL, "endTime         0.1;", "endTime         ;");
+    no_delta_t: cavity().edit(CONTROL, "deltaT          0.005;", "");
+    condition_without_type: cavity().edit("0/U", "        type        noSlip;\n", "");
     many_mistakes: cavity()
         .edit(CONTROL, "deltaT          0.005;", "deltaT          -1;")
         .edit(SCHEMES, "ddtSchemes { default Euler; }", "ddtSchemes { default Eular; }")
@@ -110,6 +113,10 @@ bad! {
     list_shorter_than_it_says: cavity().edit("0/p", "uniform 0;", "nonuniform List<scalar> 16 (0 0 0);");
     field_not_finite: cavity().edit("0/p", "uniform 0;", "uniform nan;");
     bad_time_table: ring().edit("0.orig/U", "omega   0.2;", "omega   table ((0 0) (1 0.2) (0.5 0.3));");
+    empty_time_table: ring().edit("0.orig/U", "omega   0.2;", "omega   table ();");
+    macro_undefined_in_vector: cavity().edit("0/U", "uniform (1 0 0);", "uniform ($lidSpeed 0 0);");
+    macro_undefined_as_type: cavity().edit("0/U", "type        noSlip;", "type        $wallType;");
+    set_fields: ring().write("system/setFieldsDict", "regions ();");
     time_table_of_words: ring().edit("0.orig/U", "omega   0.2;", "omega   table ((0 fast) (1));");
     axis_without_direction: ring().edit("0.orig/U", "axis    (0 0 1);", "axis    (0 0 0);");
     p_with_gravity: cavity().write("constant/g", "dimensions [0 1 -2 0 0 0 0]; value (0 -9.81 0);");
@@ -118,6 +125,13 @@ bad! {
         .write("constant/g", "dimensions [0 1 -2 0 0 0 0]; value (9.81 0 0);");
     gravity_dimensions: cavity().write("constant/g", "dimensions [0 1 -1 0 0 0 0]; value (0 0 0);");
     no_time_directory: cavity().rename("0", "zero");
+}
+
+// ---- figures, before anything is computed
+bad! {
+    plot_unknown_entry: cavity().write(PLOT, "figures { u { xlabel x; curves ({ file \"postProcessing/a.xy\"; x x; y y; }); } }");
+    plot_bad_expression: cavity().write(PLOT, "figures { u { curves ({ file \"postProcessing/a.xy\"; x \"(x\"; y \"tan(y)\"; time lastest; }); } }");
+    plot_without_file: cavity().write(PLOT, "figures { u { curves ({ x x; y y; }); } }");
 }
 
 // ---- materials and physics
@@ -198,6 +212,7 @@ fn arguments() {
         &["run", "0"],
         &["run", "--from", "lastest"],
         &["run", "--from", "0.5"],
+        &["run", "--until=-1"],
         &["run", "-j", "0"],
         &["runn"],
         &["init"],

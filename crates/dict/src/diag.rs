@@ -45,8 +45,11 @@ impl Diag {
         Diag::new(Severity::Warning, at, message.into())
     }
     /// An error about a whole file, such as one that is missing.
+    /// The `./` of the current directory is not shown; an empty path names no file.
     pub fn file(path: impl Into<String>, message: impl Into<String>) -> Diag {
-        Diag::error(&Span::new(&Source::new(path, ""), 0..0), message)
+        let path: String = path.into();
+        let shown = path.strip_prefix("./").unwrap_or(&path);
+        Diag::error(&Span::new(&Source::new(shown, ""), 0..0), message)
     }
     /// Sets the text beside the caret.
     #[must_use]
@@ -232,12 +235,16 @@ impl Sink {
     pub fn n_errors(&self) -> usize {
         self.0.borrow().iter().filter(|d| d.severity == Severity::Error).count()
     }
-    /// Whether something was already found inside a span.
-    pub(crate) fn covers(&self, at: &Span) -> bool {
+    /// Whether an error was already found in the value behind the keyword at `key`: what
+    /// else looks wrong there follows from it.
+    pub(crate) fn blames(&self, key: &Span) -> bool {
+        let from = key.range.end;
         let inside = |d: &Diag| {
-            Arc::ptr_eq(&d.src, &at.src)
-                && at.range.start <= d.span.start
-                && d.span.end <= at.range.end
+            let value = key.src.text.get(from..d.span.start);
+            // A warning stops nothing: it must not hide an error.
+            d.severity == Severity::Error
+                && Arc::ptr_eq(&d.src, &key.src)
+                && value.is_some_and(|v| !v.contains(&b';'))
         };
         self.0.borrow().iter().any(inside)
     }

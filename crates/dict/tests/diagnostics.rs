@@ -447,3 +447,15 @@ fn order_is_by_file_and_place_and_nothing_is_said_twice() {
     assert_eq!(places, ["a:1:1", "b:1:1", "b:1:6"]);
     assert_eq!((all.n_errors(), all.n_warnings()), (0, 3));
 }
+
+#[test]
+fn one_mistake_is_said_once_and_a_warning_hides_none() {
+    let read = |r: &Reader<'_>| {
+        r.scalar("a", Dims::NONE);
+        r.word("b");
+    };
+    let said = findings("a $gone;\nb #calc \"1/2\";\n", read);
+    assert_eq!(said.matches("error:").count(), 2, "{said}");
+    assert!(said.contains("`$gone` is not defined") && !said.contains("has no value"), "{said}");
+    assert!(said.contains("`b` must be a word"), "{said}");
+}

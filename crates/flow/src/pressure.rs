@@ -61,7 +61,7 @@ impl Flow {
             let failed = |source| StepError::Solve { field: "p", time, source };
             numerics.p.solver.refresh(exec, &w.p_eqn.a).map_err(failed)?;
             let p_prime = &mut w.p_prime.cells.data;
-            let solved = crate::settle(
+            let solved = crate::settle_definite(
                 numerics.p.solver.solve(exec, &w.p_eqn.a, &w.p_eqn.b, p_prime, tolerance),
             )
             .map_err(failed)?;
@@ -103,11 +103,13 @@ impl Flow {
     /// slow flow would take eta dt/(rho L^2) iterations to arrive.
     fn correct_viscous_pressure(&mut self) -> Result<Solved, StepError> {
         let time = self.state.time;
+        // Of the whole operator, and of the matrix alone where the transpose part vanishes.
+        let share = if self.fluid.rheology.is_constant() { 1.0 } else { 0.5 };
         let Flow { exec, mesh, state, numerics, work: w, .. } = self;
         let n = mesh.n_cells;
         let eta = &w.eta.data;
         exec.for_each(&mut w.compliance.data[..n], |first, out| {
-            out.iter_mut().enumerate().for_each(|(i, k)| *k = 0.5 / eta[first + i]);
+            out.iter_mut().enumerate().for_each(|(i, k)| *k = share / eta[first + i]);
         });
         let shift = level_shift(exec, mesh, w);
         let compliance = &w.compliance.data;
@@ -121,7 +123,7 @@ impl Flow {
         let failed = |source| StepError::Solve { field: "p", time, source };
         numerics.p.solver.refresh(exec, &w.p_eqn.a).map_err(failed)?;
         let p_prime = &mut w.p_prime.cells.data;
-        let solved = crate::settle(numerics.p.solver.solve(
+        let solved = crate::settle_definite(numerics.p.solver.solve(
             exec,
             &w.p_eqn.a,
             &w.p_eqn.b,
@@ -173,7 +175,13 @@ impl Flow {
                     let (o, nb) = (mesh.owner[f] as usize, mesh.neighbour[f] as usize);
                     let wf = mesh.weight[f];
                     let u_f = u_start[o].scaled(wf).axpy(1.0 - wf, u_start[nb]);
-                    *phi += r_a_f[f] * inertia * (phi_start[f] - dot(u_f, mesh.area[f]));
+                    // Where flux and interpolated velocity disagree by as much as the flux itself,
+                    // as around bluff bodies on skewed meshes, their difference is no memory of
+                    // momentum but noise that would feed on itself.
+                    let memory = phi_start[f] - dot(u_f, mesh.area[f]);
+                    let size = phi_start[f].abs().max(f64::MIN_POSITIVE);
+                    let share = 1.0 - (memory.abs() / size).min(1.0);
+                    *phi += share * r_a_f[f] * inertia * memory;
                 }
                 let gradient = operators::normal_derivative(mesh, p, full, f);
                 *phi -= r_a_f[f] * mesh.mag_area[f] * gradient;

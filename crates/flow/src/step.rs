@@ -64,8 +64,9 @@ impl Flow {
             if k == 0 {
                 self.assemble_momentum(dt)?;
             } else {
-                if constant && outer == 1 {
-                    // One pass was asked for and nothing depends on it: PISO.
+                if outer == 1 && !self.fluid.rheology.reads_pressure() {
+                    // PISO: one pass was asked for; a generalised Newtonian viscosity follows the
+                    // flow one step behind, as users of PISO expect.
                     report.converged = true;
                     report.residuals.u = report.u.map_or(0.0, |(first, _)| first.first);
                     report.residuals.p = self.continuity_residual();
@@ -101,7 +102,8 @@ impl Flow {
             let info = self.evaluate_rheology(dt)?;
             add(&mut report.rheology, info);
             report.residuals.viscosity = self.viscosity_residual();
-            settled = report.residuals.viscosity <= self.numerics.control.viscosity;
+            settled = report.residuals.viscosity <= self.numerics.control.viscosity
+                && info.residual <= RHEOLOGY_SOLVED;
             if settled || last {
                 self.accept_viscosity();
             } else {
@@ -281,6 +283,10 @@ impl Flow {
         })
     }
 }
+
+/// Greatest imbalance of the rheology's own equation, over its terms, in a converged state: its
+/// Newton iterations end far below, unless they stall.
+const RHEOLOGY_SOLVED: f64 = 1e-6;
 
 /// Fields that follow from the state.
 pub struct Derived<'a> {

@@ -80,11 +80,8 @@ fn velocity(
     m: &Mesh,
     condition: impl Fn(&str) -> Box<dyn Condition<Vec3>>,
 ) -> Unknown<Vec3> {
-    let conditions: Vec<Box<dyn Condition<Vec3>>> = m
-        .patches
-        .iter()
-        .map(|p| of_kind(&p.kind).unwrap_or_else(|| condition(&p.name)))
-        .collect();
+    let conditions: Vec<Box<dyn Condition<Vec3>>> =
+        m.patches.iter().map(|p| of_kind(&p.kind).unwrap_or_else(|| condition(&p.name))).collect();
     let mut u = Unknown::new(m, "U", Dims::VELOCITY, [0.0; 3], conditions);
     for c in 0..m.n_cells {
         let x = c as f64;
@@ -287,9 +284,8 @@ fn two_faces_between_the_same_cells_share_an_entry() {
     };
     eqn.assemble(&exec, &m, &phi, &-laplacian(&scalar(&m))).expect("one term");
     for row in 0..2 {
-        let entries: Vec<u32> = eqn.a.col
-            [eqn.a.ptr[row] as usize..eqn.a.ptr[row + 1] as usize]
-            .to_vec();
+        let entries: Vec<u32> =
+            eqn.a.col[eqn.a.ptr[row] as usize..eqn.a.ptr[row + 1] as usize].to_vec();
         let mut distinct = entries.clone();
         distinct.dedup();
         assert_eq!(entries, distinct, "columns are sorted and occur once");

@@ -2,7 +2,7 @@
 
 use crate::store::{Compression, TimeFormat, TimeName};
 use granflow_base::Dims;
-use granflow_dict::{Format, Reader};
+use granflow_dict::{Format, Reader, Span};
 
 /// Values of `application` that are accepted, and what each means here.
 pub const APPLICATIONS: &[(&str, &str)] = &[
@@ -54,8 +54,12 @@ pub struct Control {
     pub application: String,
     /// `startFrom`; default the latest time.
     pub start: StartFrom,
+    /// Where the start is said, for messages.
+    pub start_span: Span,
     /// `endTime`, s.
     pub end: f64,
+    /// Where the end is said, for messages.
+    pub end_span: Span,
     /// `deltaT`, s.
     pub dt: f64,
     /// `writeControl`, `writeInterval`; default: at the end only.
@@ -87,6 +91,10 @@ impl Control {
             0 => StartFrom::Time(r.scalar("startTime", Dims::TIME)),
             1 => StartFrom::First,
             _ => StartFrom::Latest,
+        };
+        let start_key = match start {
+            StartFrom::Time(_) => "startTime",
+            _ => "startFrom",
         };
         r.ignore("startTime");
         stop_at(r);
@@ -124,7 +132,9 @@ impl Control {
         Control {
             application,
             start,
+            start_span: r.value_span(start_key),
             end,
+            end_span: r.value_span("endTime"),
             dt,
             write: write_control(r),
             purge: r.opt_label_in("purgeWrite", 0..=i64::MAX, 0) as usize,
@@ -143,7 +153,9 @@ impl Control {
         Control {
             application: "granflow".into(),
             start: StartFrom::Latest,
+            start_span: Span::none(),
             end: 0.0,
+            end_span: Span::none(),
             dt: 1.0,
             write: WriteControl::Never,
             purge: 0,

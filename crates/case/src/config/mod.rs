@@ -46,7 +46,9 @@ impl CaseConfig {
         forbidden::refuse(root, sink)?;
         let gravity = read_gravity(root, sink)?;
         let transport = Transport::read(root, sink, notices)?;
-        let control_dict = match files::dict(root, "system/controlDict", sink)? {
+        let found = files::dict(root, "system/controlDict", sink)?;
+        let absent = found.is_none();
+        let control_dict = match found {
             Some(d) => d,
             None => {
                 let d = granflow_dict::Diag::file(
@@ -58,7 +60,7 @@ impl CaseConfig {
             }
         };
         let reader = Reader::new(&control_dict, sink);
-        let control = Control::read(&reader, control_dict.entries.is_empty());
+        let control = Control::read(&reader, absent);
         let functions = crate::functions::read(&reader);
         reader.finish(Severity::Warning);
         let schemes = match files::dict(root, "system/fvSchemes", sink)? {
@@ -72,6 +74,7 @@ impl CaseConfig {
             &control.application,
             pressure,
             transport.model != "Newtonian",
+            transport.grains.is_some(),
             sink,
             notices,
         );

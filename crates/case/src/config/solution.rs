@@ -7,7 +7,7 @@
 //! | nOuterCorrectors | 150 | 1 (PISO) |
 //! | nCorrectors | 1 | 2 |
 //! | solver of U | GAMG, relTol 1e-3 (it preconditions the whole viscous operator) | PBiCGStab with DILU, 1e-10 |
-//! | solver of p | GAMG, 1e-10 | GAMG, 1e-10 |
+//! | solver of p | GAMG, relTol 1e-3 | GAMG, 1e-10 |
 //! | solver of fluidity | PBiCGStab with DILU, 1e-10 (its Jacobian may be indefinite) | |
 //! | residualControl U, p, viscosity | 1e-8 | 1e-8 |
 //! | residualControl fluidity | 1e-10 | |
@@ -116,6 +116,7 @@ impl Solution {
         application: &str,
         pressure: &str,
         varies: bool,
+        granular: bool,
         sink: &Sink,
         notices: &Notices,
     ) -> Solution {
@@ -127,8 +128,8 @@ impl Solution {
             LinearSolve::default_of(("PBiCGStab", Some("DILU")), 1e-10),
         );
         if varies {
-            for t in [&mut u.tolerance, &mut u.last] {
-                *t = Tolerance { abs: 0.0, rel: 1e-3, ..*t };
+            for t in [&mut u.tolerance, &mut u.last, &mut p.tolerance, &mut p.last] {
+                *t = Tolerance { abs: 1e-12, rel: 1e-3, ..*t };
             }
         }
         if let Some(solvers) = r.opt_sub("solvers") {
@@ -175,7 +176,7 @@ impl Solution {
         for name in order {
             if Some(name) == chosen {
                 if let Some(sub) = r.opt_sub(name) {
-                    out.algorithm(&sub, name, pressure);
+                    out.algorithm(&sub, name, pressure, granular);
                 }
             } else if let Some(sub) = r.entry(name).and_then(|_| r.opt_sub(name)) {
                 sub.ignore_all();
@@ -197,14 +198,19 @@ impl Solution {
         out
     }
 
-    fn algorithm(&mut self, r: &Reader<'_>, name: &str, pressure: &str) {
+    fn algorithm(&mut self, r: &Reader<'_>, name: &str, pressure: &str, granular: bool) {
         let count = |key: &str, default: usize, least: i64| {
             r.opt_label_in(key, least..=i64::from(i32::MAX), default as i64) as usize
         };
         if name == "PISO" {
             r.ignore("nOuterCorrectors");
+            if !granular {
+                self.outer = 1;
+            }
         }
-        self.outer = count("nOuterCorrectors", self.outer, 1);
+        if name != "PISO" {
+            self.outer = count("nOuterCorrectors", self.outer, 1);
+        }
         self.correctors = count("nCorrectors", self.correctors, 1);
         self.non_orthogonal_correctors = count("nNonOrthogonalCorrectors", 0, 0);
         self.predictor = r.opt_switch("momentumPredictor", true);

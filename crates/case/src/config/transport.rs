@@ -18,6 +18,8 @@ pub struct Transport {
     pub model: String,
     /// The grains, when it is a granular model.
     pub grains: Option<Granular>,
+    /// Least cooperativity length xi below yield, m: that at mu = 0; `None` without a fluidity.
+    pub cooperativity: Option<f64>,
     /// Whether the model has a fluidity of its own.
     pub has_fluidity: bool,
     /// Whether the viscosity never changes.
@@ -105,10 +107,15 @@ impl Transport {
             out.grains = rheology.grains();
         }
         r.finish(Severity::Error);
+        let again = Reader::new(&out.dict, &Sink::new());
+        let coeffs = again.opt_sub(&coeffs).unwrap_or(again);
         if granular && out.grains.is_none() {
-            let again = Reader::new(&out.dict, &Sink::new());
-            let coeffs = again.opt_sub(&coeffs).unwrap_or(again);
             out.grains = Some(Granular::read(&coeffs));
+        }
+        if let (true, Some(g)) = (out.has_fluidity, &out.grains) {
+            let a = coeffs.opt_scalar("A", Dims::NONE, f64::NAN);
+            let xi = a * g.d * (g.mu_2 / ((g.mu_2 - g.mu_s) * g.mu_s)).sqrt();
+            out.cooperativity = Some(xi).filter(|xi| xi.is_finite());
         }
         out
     }
@@ -118,6 +125,7 @@ impl Transport {
             rho: 1.0,
             model: "Newtonian".into(),
             grains: None,
+            cooperativity: None,
             has_fluidity: false,
             is_constant: true,
             dict: Dict::new(),

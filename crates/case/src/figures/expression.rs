@@ -35,16 +35,21 @@ pub enum ExpressionError {
 /// # Errors
 /// [`ExpressionError`].
 pub fn evaluate(text: &str, table: &Table) -> Result<Vec<f64>, ExpressionError> {
-    let mut p =
-        Parser { rest: text, table, n: table.columns.first().map_or(0, Vec::len), depth: 0 };
-    let v = p.sum()?;
-    p.skip();
-    if p.rest.is_empty() { Ok(v) } else { p.expected("an operator") }
+    Parser::new(text, Some(table)).whole()
+}
+
+/// Looks for mistakes before there are data: any name may be a column.
+///
+/// # Errors
+/// [`ExpressionError`].
+pub fn check(text: &str) -> Result<(), ExpressionError> {
+    Parser::new(text, None).whole().map(drop)
 }
 
 struct Parser<'t> {
     rest: &'t str,
-    table: &'t Table,
+    /// `None`: only the form of the expression matters.
+    table: Option<&'t Table>,
     n: usize,
     depth: usize,
 }
@@ -56,6 +61,15 @@ fn zip(a: Vec<f64>, b: &[f64], f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
 }
 
 impl<'t> Parser<'t> {
+    fn new(text: &'t str, table: Option<&'t Table>) -> Parser<'t> {
+        let n = table.and_then(|t| t.columns.first()).map_or(0, Vec::len);
+        Parser { rest: text, table, n, depth: 0 }
+    }
+    fn whole(mut self) -> Column {
+        let v = self.sum()?;
+        self.skip();
+        if self.rest.is_empty() { Ok(v) } else { self.expected("an operator") }
+    }
     fn skip(&mut self) {
         self.rest = self.rest.trim_start();
     }
@@ -173,13 +187,13 @@ impl<'t> Parser<'t> {
         end
     }
     fn column(&self, name: &str) -> Column {
-        match self.table.column(name) {
-            Some(i) => Ok(self.table.columns[i].clone()),
+        let Some(table) = self.table else { return Ok(Vec::new()) };
+        match table.column(name) {
+            Some(i) => Ok(table.columns[i].clone()),
             None if name == "pi" => Ok(vec![std::f64::consts::PI; self.n]),
-            None => Err(ExpressionError::Unknown {
-                name: name.to_owned(),
-                known: self.table.names.clone(),
-            }),
+            None => {
+                Err(ExpressionError::Unknown { name: name.to_owned(), known: table.names.clone() })
+            }
         }
     }
     fn call(&mut self, name: &str) -> Column {
@@ -239,5 +253,7 @@ mod tests {
         assert!(error("tan(x)").contains("expected one of abs"));
         assert!(evaluate(&"(".repeat(10_000), &t).is_err());
         assert!(evaluate(&"-".repeat(100_000), &t).is_err());
+        assert_eq!(check("mean(z)/`V/Vw` + pi*col1 - last(y)"), Ok(()), "any name may be a column");
+        assert!(check("(x").is_err() && check("tan(x)").is_err() && check("x y").is_err());
     }
 }

@@ -41,6 +41,23 @@ use granflow_dict::{Diag, Reader, Severity, Sink, Span};
 use std::path::{Path, PathBuf};
 use table::Table;
 
+/// Looks for mistakes in `system/plotDict` before there are data; they go to the sink.
+///
+/// # Errors
+/// The file is there and cannot be read.
+pub fn check(root: &Path, sink: &Sink) -> Result<(), CaseError> {
+    read(root, Look::AtForm, sink).map(drop)
+}
+
+/// What reading a figure looks at.
+#[derive(Clone, Copy, PartialEq)]
+enum Look {
+    /// The dictionary only: the data need not be there yet.
+    AtForm,
+    /// The data as well.
+    AtData,
+}
+
 /// Draws the figures of `system/plotDict` and returns the files made; none without that file.
 /// Curves whose data are not there are left out with a warning.
 ///
@@ -48,13 +65,7 @@ use table::Table;
 /// [`CaseError::Invalid`] with the mistakes in the sink; a figure cannot be drawn or written.
 pub fn draw(root: &Path, sink: &Sink) -> Result<Vec<PathBuf>, CaseError> {
     let before = sink.n_errors();
-    let Some(dict) = files::dict(root, "system/plotDict", sink)? else { return Ok(Vec::new()) };
-    let r = Reader::new(&dict, sink);
-    let mut drawn = Vec::new();
-    for (name, figure) in r.sub("figures").map_or(Vec::new(), |f| f.subs()) {
-        drawn.push((name.to_owned(), read_figure(root, &figure)?));
-    }
-    r.finish(Severity::Error);
+    let drawn = read(root, Look::AtData, sink)?;
     if sink.n_errors() > before {
         return Err(CaseError::Invalid);
     }
@@ -69,7 +80,19 @@ pub fn draw(root: &Path, sink: &Sink) -> Result<Vec<PathBuf>, CaseError> {
     Ok(out)
 }
 
-fn read_figure(root: &Path, r: &Reader<'_>) -> Result<LineFigure, CaseError> {
+/// The figures of `system/plotDict` with their names.
+fn read(root: &Path, look: Look, sink: &Sink) -> Result<Vec<(String, LineFigure)>, CaseError> {
+    let Some(dict) = files::dict(root, "system/plotDict", sink)? else { return Ok(Vec::new()) };
+    let r = Reader::new(&dict, sink);
+    let mut out = Vec::new();
+    for (name, figure) in r.sub("figures").map_or(Vec::new(), |f| f.subs()) {
+        out.push((name.to_owned(), read_figure(root, look, &figure)?));
+    }
+    r.finish(Severity::Error);
+    Ok(out)
+}
+
+fn read_figure(root: &Path, look: Look, r: &Reader<'_>) -> Result<LineFigure, CaseError> {
     let scales = [("linear", Scale::Linear), ("log", Scale::Log)];
     let axis = |label: &str, scale: &str, range: &str| Axis {
         label: r.opt_string(label, "").to_owned(),
@@ -98,8 +121,8 @@ fn read_figure(root: &Path, r: &Reader<'_>) -> Result<LineFigure, CaseError> {
     let mut markers = 0;
     while !list.is_empty() {
         let left = list.rest().len();
-        if let Some(curve) = list.dict("a curve `{ ... }`") {
-            figure.series.extend(read_curve(root, &curve, &mut markers)?);
+        if let Some(curve) = list.dict("curve") {
+            figure.series.extend(read_curve(root, look, &curve, &mut markers)?);
         }
         if list.rest().len() == left {
             break;
@@ -109,18 +132,23 @@ fn read_figure(root: &Path, r: &Reader<'_>) -> Result<LineFigure, CaseError> {
 }
 
 /// The series of one entry: one for each of its times.
-fn read_curve(root: &Path, r: &Reader<'_>, markers: &mut usize) -> Result<Vec<Series>, CaseError> {
+fn read_curve(
+    root: &Path,
+    look: Look,
+    r: &Reader<'_>,
+    markers: &mut usize,
+) -> Result<Vec<Series>, CaseError> {
     #[derive(Clone, Copy)]
-    enum Look {
+    enum Stroke {
         Line,
         Dashed,
         Markers,
     }
     let key = if r.has("reference") { "reference" } else { "file" };
     let file = r.string(key);
-    let looks = [("line", Look::Line), ("dashed", Look::Dashed), ("markers", Look::Markers)];
-    let usual = if key == "reference" { Look::Markers } else { Look::Line };
-    let look = r.opt_one_of("style", &looks, usual);
+    let looks = [("line", Stroke::Line), ("dashed", Stroke::Dashed), ("markers", Stroke::Markers)];
+    let usual = if key == "reference" { Stroke::Markers } else { Stroke::Line };
+    let stroke = r.opt_one_of("style", &looks, usual);
     let (x, y) = (r.string("x"), r.string("y"));
     let label = r.opt_string("label", "");
     let labels: Option<Vec<String>> = r.maybe_list("labels").map(|mut l| {
@@ -130,6 +158,18 @@ fn read_curve(root: &Path, r: &Reader<'_>, markers: &mut usize) -> Result<Vec<Se
         }
         out
     });
+    if look == Look::AtForm {
+        for (key, text) in [("x", x), ("y", y)] {
+            // A missing one was reported.
+            if !text.is_empty()
+                && let Err(e) = expression::check(text)
+            {
+                r.error_at_key(key, format!("`{key}`: {e}"), "cannot be evaluated", None);
+            }
+        }
+        time_given(r);
+        return Ok(Vec::new());
+    }
     let times = wanted_times(root, file, r)?;
     if let Some(given) = &labels
         && given.len() != times.len()
@@ -141,14 +181,14 @@ fn read_curve(root: &Path, r: &Reader<'_>, markers: &mut usize) -> Result<Vec<Se
     for (i, time) in times.iter().enumerate() {
         let path = root.join(file.replace("<time>", time));
         let Some(text) = read_text(&path)? else {
-            let message = format!("there are no data in {}", path.display());
+            let message = format!("there are no data in {}", files::shown(&path));
             r.warn_at_key(key, message, "the curve is left out", None);
             continue;
         };
         let table = Table::parse(&text);
         let of = |key: &str, text: &str| {
             expression::evaluate(text, &table).map_err(|e| {
-                let message = format!("`{key}` of {}: {e}", path.display());
+                let message = format!("`{key}` of {}: {e}", files::shown(&path));
                 r.error_at_key(key, message, "cannot be evaluated", None);
             })
         };
@@ -158,10 +198,10 @@ fn read_curve(root: &Path, r: &Reader<'_>, markers: &mut usize) -> Result<Vec<Se
             None => label.replace("<time>", time),
         };
         let points = xs.into_iter().zip(ys).collect();
-        let style = match look {
-            Look::Line => Style::Line,
-            Look::Dashed => Style::Dashed,
-            Look::Markers => {
+        let style = match stroke {
+            Stroke::Line => Style::Line,
+            Stroke::Dashed => Style::Dashed,
+            Stroke::Markers => {
                 *markers += 1;
                 Style::Markers(Marker::nth(*markers - 1))
             }
@@ -181,47 +221,60 @@ fn wanted_times(root: &Path, file: &str, r: &Reader<'_>) -> Result<Vec<String>, 
     there.sort_by(|a, b| a.0.total_cmp(&b.0));
     let names = |v: &[(f64, String)]| v.iter().map(|t| t.1.clone()).collect::<Vec<_>>();
     let one = |t: Option<&(f64, String)>| t.map_or(Vec::new(), |t| vec![t.1.clone()]);
-    let found = match r.raw("time").and_then(|t| t.first()) {
-        None => one(there.last()),
-        Some(token) => match token.word() {
-            Some("latest") => one(there.last()),
-            Some("first") => one(there.first()),
-            Some("all") => names(&there),
-            Some(other) => {
-                let message = format!("unknown time `{other}`");
-                let help = Some("write latest, first, all, a number or a list of numbers");
-                r.error_at_key("time", message, "not a time", help);
-                return Ok(Vec::new());
-            }
-            None => {
-                let wanted = token.number().map(|t| vec![t]).or_else(|| token.scalars());
-                let wanted = wanted.unwrap_or_default();
-                let near = |t: f64| {
-                    let off = |x: &&(f64, String)| (x.0 - t).abs();
-                    let best = there.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
-                    (off(&best) <= 1e-6 * t.abs().max(1e-300)).then(|| best.1.clone())
-                };
-                let span: Span = r.value_span("time");
-                wanted
-                    .into_iter()
-                    .filter_map(|t| {
-                        let name = near(t);
-                        if name.is_none() {
-                            let message = format!("no data for the time {t} in {folder}");
-                            let d = Diag::warning(&span, message);
-                            r.sink().push(d.label("the curve is left out"));
-                        }
-                        name
-                    })
-                    .collect()
-            }
-        },
+    let found = match time_given(r) {
+        None => return Ok(Vec::new()),
+        Some(Times::Latest) => one(there.last()),
+        Some(Times::First) => one(there.first()),
+        Some(Times::All) => names(&there),
+        Some(Times::These(wanted)) => {
+            let near = |t: f64| {
+                let off = |x: &&(f64, String)| (x.0 - t).abs();
+                let best = there.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
+                (off(&best) <= 1e-6 * t.abs().max(1e-300)).then(|| best.1.clone())
+            };
+            let span: Span = r.value_span("time");
+            let name = |t: f64| {
+                let name = near(t);
+                if name.is_none() {
+                    let message = format!("no data for the time {t} in {folder}");
+                    let d = Diag::warning(&span, message);
+                    r.sink().push(d.label("the curve is left out"));
+                }
+                name
+            };
+            wanted.into_iter().filter_map(name).collect()
+        }
     };
     if there.is_empty() {
-        let message = format!("there are no data in {}", root.join(folder).display());
+        let message = format!("there are no data in {}", files::shown(&root.join(folder)));
         r.warn_at_key("file", message, "the curve is left out", None);
     }
     Ok(found)
+}
+
+/// What `time` of a curve asks for.
+enum Times {
+    Latest,
+    First,
+    All,
+    These(Vec<f64>),
+}
+
+/// Reads `time`; `None` when it is wrong, which is reported.
+fn time_given(r: &Reader<'_>) -> Option<Times> {
+    let Some(token) = r.raw("time").and_then(|t| t.first()) else { return Some(Times::Latest) };
+    let given = match token.word() {
+        Some("latest") => Some(Times::Latest),
+        Some("first") => Some(Times::First),
+        Some("all") => Some(Times::All),
+        Some(_) => None,
+        None => token.number().map(|t| vec![t]).or_else(|| token.scalars()).map(Times::These),
+    };
+    if given.is_none() {
+        let help = Some("write latest, first, all, a number or a list of numbers");
+        r.error_at_key("time", format!("{} is not a time", token.describe()), "unknown", help);
+    }
+    given
 }
 
 fn times_in(folder: &Path) -> Result<Vec<(f64, String)>, StoreError> {

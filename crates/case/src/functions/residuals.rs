@@ -9,7 +9,7 @@ use granflow_par::Exec;
 
 pub(super) const ENTRY: Entry = Entry {
     name: "residuals",
-    summary: "first linear residuals of U and p, outer residuals, iterations of every step",
+    summary: "residuals of momentum, continuity and viscosity, outer iterations of every step",
     reference: "OpenFOAM user guide, function objects",
     read: |r, _| {
         r.ignore("fields");
@@ -37,19 +37,11 @@ impl Function for Residuals {
             return Vec::new();
         }
         let r = view.report;
-        let first = |s: &Option<(granflow_linsolve::Solved, _)>| s.map_or(0.0, |s| s.0.first);
-        let columns = [
-            first(&r.u),
-            first(&r.p),
-            r.residuals.u,
-            r.residuals.p,
-            r.residuals.viscosity,
-            r.outer as f64,
-        ];
+        let columns = [r.residuals.u, r.residuals.p, r.residuals.viscosity, r.outer as f64];
         let columns = columns.map(number).join("\t");
         vec![Written::Line {
             file: "residuals.dat",
-            header: "# Residuals\n# Time\tU_initial\tp_initial\tU\tp\tviscosity\touter".into(),
+            header: "# Residuals\n# Time\tU\tp\tviscosity\touter".into(),
             line: format!("{}\t{columns}", view.time_name),
         }]
     }

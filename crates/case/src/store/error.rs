@@ -51,7 +51,7 @@ pub enum Kind {
 
 /// A failed operation on the disk; says what, where and why.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot {op} {}: {}", path.display(), Reason(source))]
+#[error("cannot {op} {}: {}", crate::files::shown(path), Reason(source))]
 pub struct StoreError {
     /// What was being done.
     pub op: Operation,

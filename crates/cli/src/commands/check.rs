@@ -1,7 +1,6 @@
 //! `granflow check`: reads and checks everything, says what a run would meet; changes nothing.
 
 use super::init::Initial;
-use super::run::need_time_ahead;
 use super::{need_case, need_sound_mesh};
 use crate::args::Check;
 use crate::estimate;
@@ -19,7 +18,7 @@ pub(crate) fn command(session: &mut Session, args: &Check) -> Result<(), Failure
     let root = args.case.as_path();
     need_case(root)?;
     // Taken back when this function returns.
-    let initial = Initial::prepare(root)?;
+    let initial = Initial::prepare(root, &session.sink)?;
     let loaded = Case::load(root, &Options::default(), &session.sink, &session.notices);
     initial.restate(root, &session.sink);
     let case = match loaded {
@@ -37,7 +36,6 @@ pub(crate) fn command(session: &mut Session, args: &Check) -> Result<(), Failure
     say_mesh(session, &report);
     session.speak_up();
     need_sound_mesh(&report)?;
-    need_time_ahead(&case)?;
     for line in estimate::lines(&case) {
         session.out.say(&line);
     }

@@ -5,7 +5,8 @@ use crate::args::Place;
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::text::place;
-use granflow_case::init::from_orig;
+use granflow_case::CaseError;
+use granflow_case::init::{from_orig, refuse_set_fields};
 use granflow_case::store::list_times;
 use granflow_dict::{Sink, Source};
 use std::fs;
@@ -26,9 +27,8 @@ pub(crate) fn command(session: &mut Session, args: &Place) -> Result<(), Failure
         let message = "`0` exists already: nothing was changed";
         return Err(Failure::refused(message, format!("remove it to make it anew from `{ORIG}`")));
     }
-    if root.join("system/setFieldsDict").is_file() {
-        let message = "system/setFieldsDict is not supported yet";
-        return Err(Failure::refused(message, "remove it, and give the fields in `0.orig`"));
+    if refuse_set_fields(root, &session.sink) {
+        return Err(CaseError::Invalid.into());
     }
     from_orig(root)?;
     session.out.say(&format!("{} made from {ORIG}", place(root, "0")));
@@ -47,10 +47,13 @@ impl Initial {
     /// Makes `0` from `0.orig` where the case has that and no time directory.
     ///
     /// # Errors
-    /// The disk refuses.
-    pub(crate) fn prepare(root: &Path) -> Result<Initial, Failure> {
+    /// The disk refuses, or the case needs more than a copy.
+    pub(crate) fn prepare(root: &Path, sink: &Sink) -> Result<Initial, Failure> {
         if !root.join(ORIG).is_dir() || !list_times(root)?.is_empty() {
             return Ok(Initial { made: None });
+        }
+        if refuse_set_fields(root, sink) {
+            return Err(CaseError::Invalid.into());
         }
         let made = from_orig(root)?.then(|| root.join("0"));
         Ok(Initial { made })

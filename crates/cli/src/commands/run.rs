@@ -32,7 +32,7 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
         stop: signals.stop(),
         ..Options::default()
     };
-    let initial = Initial::prepare(root)?;
+    let initial = Initial::prepare(root, &session.sink)?;
     let loaded = Case::load(root, &options, &session.sink, &session.notices);
     if loaded.is_err() {
         initial.restate(root, &session.sink);
@@ -40,7 +40,6 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
     let case = loaded?;
     options.threads = args.threads.map_or_else(|| worthwhile(case.mesh.n_cells), usize::from);
     need_sound_mesh(&check(&case.poly))?;
-    need_time_ahead(&case)?;
     session.changed = true;
     let initialised = initial.keep();
     for stale in clean_stale(root)? {
@@ -85,7 +84,7 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
         // Written, which is what a person in a hurry wants; figures can be drawn later.
         tally.say_where(session, root);
         let signal = signals.received().unwrap_or(signal_hook::consts::SIGTERM);
-        session.out.say("stopped by a signal: `granflow run` goes on from here");
+        session.out.say("stopped by a signal: `granflow run --from latest` goes on from here");
         return Err(Failure::Signal(signal));
     }
     let figures = run.finish(&session.sink);
@@ -94,23 +93,6 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
         session.out.say(&format!("figure   {}", shown(&file)));
     }
     Ok(())
-}
-
-/// Refuses an end before the start; an end that is reached already, give or take the rounding of
-/// many steps, is none.
-pub(super) fn need_time_ahead(case: &Case) -> Result<(), Failure> {
-    let (start, end) = (case.start.time, case.end);
-    if end >= start - 0.5 * case.config.control.dt {
-        return Ok(());
-    }
-    let (start, end) = (rounded(start, 6), rounded(end, 6));
-    let message = format!(
-        "the end, t {end} s, lies before the start, t {start} s (directory {})",
-        case.start.dir
-    );
-    let help =
-        "endTime of system/controlDict or --until says the end, startFrom or --from the start";
-    Err(Failure::refused(message, help))
 }
 
 /// As many threads as the mesh keeps busy: below some ten thousand cells each, waiting for one

@@ -96,6 +96,9 @@ impl<'a> Reader<'a> {
     }
     fn field_of<T: Value>(&self, key: &str, e: &'a Entry, n: usize) -> FieldValue<T> {
         let bad = |at: &Span, text: String, label: String| {
+            if self.sink().blames(&e.key_span) {
+                return FieldValue::Uniform(T::ZERO);
+            }
             self.sink().push(Diag::error(at, text).label(label).help(format!(
                 "write `{key} uniform <{0}>;` or `{key} nonuniform List<{0}> {n} ( ... );`",
                 T::WORD
@@ -130,10 +133,6 @@ impl<'a> Reader<'a> {
         };
         self.surplus(e, at + 1);
         if values.len() != n {
-            // The list itself was found wanting: its length says nothing more.
-            if self.sink().covers(&t[at].span) {
-                return FieldValue::Uniform(T::ZERO);
-            }
             let text = format!("`{key}` has {} values for {n} elements", values.len());
             return bad(&t[at].span, text, format!("expected {n} values"));
         }

@@ -15,6 +15,10 @@ impl<'a> Reader<'a> {
         let key = e.key.text();
         match &e.value {
             Value::Stream(t) if t.is_empty() => {
+                // Such as a macro that is not defined: that was said.
+                if self.sink().blames(&e.key_span) {
+                    return None;
+                }
                 let d = Diag::error(&e.key_span.after(), format!("`{key}` has no value"));
                 self.sink().push(d.label(format!("expected {what}")));
                 None
@@ -31,6 +35,9 @@ impl<'a> Reader<'a> {
         }
     }
     fn not_a(&self, key: &str, t: &Token, what: &str) {
+        if self.entry(key).is_some_and(|e| self.sink().blames(&e.key_span)) {
+            return;
+        }
         let d = Diag::error(&t.span, format!("`{key}` must be {what}, found {}", t.describe()));
         let d = d.label(format!("expected {what}"));
         let slip =

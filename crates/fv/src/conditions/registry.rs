@@ -221,8 +221,23 @@ fn read<T: Value, F: Copy>(
         }
         return Box::new(dictated);
     }
-    let known: Vec<(&str, F)> = ALL.iter().filter_map(|e| Some((e.name, select(e)?))).collect();
-    call(r.one_of("type", &known))
+    let known: Vec<(&str, Option<F>)> =
+        ALL.iter().filter_map(|e| Some((e.name, Some(select(e)?)))).collect();
+    let chosen = match r.has("type") {
+        true => r.opt_one_of("type", &known, None),
+        false => {
+            r.one_of("type", &known);
+            None
+        }
+    };
+    match chosen {
+        Some(reader) => call(reader),
+        None => {
+            // The entries belong to a condition that is not known: nothing can be said of them.
+            r.ignore_all();
+            Box::new(ZeroGradient)
+        }
+    }
 }
 
 /// Reads the condition of a scalar on one patch; mistakes go to the reader's sink.

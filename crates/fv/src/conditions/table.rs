@@ -3,7 +3,7 @@
 use super::basic::text;
 use super::{Condition, PatchClosure, PatchView};
 use granflow_base::{Dims, Value};
-use granflow_dict::{Reader, TokenReader};
+use granflow_dict::{Reader, TokenReader, number};
 
 /// A constant, or a table of (time, value) with linear interpolation, constant beyond its ends.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,37 +62,51 @@ impl<T: Value> TimeTable<T> {
                 TimeTable::constant(v)
             }
             Some("table") => {
-                let Some(mut rows) = t.list("a list of (time value) pairs") else { return zero };
-                let mut points = Vec::new();
+                let before = r.sink().n_errors();
+                let Some(mut rows) = t.list("the table") else { return zero };
+                let mut points: Vec<(f64, T)> = Vec::new();
                 while !rows.is_empty() {
-                    let Some(mut row) = rows.list("a pair (time value)") else { return zero };
-                    let time = row.number("a time");
+                    let Some(mut row) = rows.list("a row `(time value)`") else { return zero };
+                    let at = row.here();
+                    let time = row.number("the time");
+                    if let Some((last, _)) = points.last()
+                        && time <= *last
+                    {
+                        let message = format!("the times of table `{key}` do not increase");
+                        let label = format!("not after {}", number(*last));
+                        r.error_at(&at, message, label, Some("sort the rows by time"));
+                    }
                     points.push((time, value(&mut row)));
                     row.finish();
                 }
                 t.finish();
-                TimeTable::new(points).unwrap_or_else(|| {
-                    r.error_at_key(key, "a time table needs increasing times", "here", None);
-                    zero
-                })
+                if points.is_empty() {
+                    r.error_at_key(key, format!("table `{key}` is empty"), "no rows", TABLE);
+                }
+                if r.sink().n_errors() > before {
+                    return zero;
+                }
+                TimeTable::new(points).unwrap_or(zero)
             }
             Some(other) => {
                 let label = format!("`{other}` is not known here");
-                let help = Some("write a number, `constant v` or `table ((t v) ...)`");
-                r.error_at_key(key, format!("`{key}` is no function of time"), label, help);
+                r.error_at_key(key, format!("`{key}` is no function of time"), label, TABLE);
                 zero
             }
         }
     }
 }
 
+/// How a value that depends on time is written.
+const TABLE: Option<&str> = Some("write a value `v`, `constant v` or `table ((time v) ...)`");
+
 /// One value of the type of the field: a number or a vector.
 fn value<T: Value>(t: &mut TokenReader<'_>) -> T {
     let mut v = T::ZERO;
     if T::N == 1 {
-        v.set_comp(0, t.number("a number"));
+        v.set_comp(0, t.number("the value"));
     } else {
-        let x = t.vector("a vector (x y z)");
+        let x = t.vector("the value");
         (0..T::N.min(3)).for_each(|c| v.set_comp(c, x[c]));
     }
     v

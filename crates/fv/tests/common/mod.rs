@@ -77,7 +77,9 @@ pub fn dirichlet<T: Value>(
 }
 
 /// The exact outward gradient at every face of a patch.
-pub fn neumann(gradient: impl Fn(Vec3) -> Vec3) -> impl Fn(&Mesh, usize) -> Box<dyn Condition<f64>> {
+pub fn neumann(
+    gradient: impl Fn(Vec3) -> Vec3,
+) -> impl Fn(&Mesh, usize) -> Box<dyn Condition<f64>> {
     move |m, p| {
         let faces = m.patches[p].faces.clone();
         let along = |f| granflow_base::dot(gradient(m.face_centre[f]), m.normal(f));
