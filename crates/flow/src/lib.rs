@@ -18,11 +18,16 @@ pub use step::{Derived, Flow};
 
 use granflow_linsolve::{SolveError, Solved};
 
-/// As [`settle`] for a matrix that is positive by construction: where conjugate gradients find it
-/// is not, they have reached the rounding of a (singular) system, and what they have is kept.
-fn settle_definite(result: Result<Solved, SolveError>) -> Result<Solved, SolveError> {
+/// As [`settle`] for a correction `x` whose matrix is positive by construction: where conjugate
+/// gradients find that it is not, the right-hand side of a singular system is nothing but
+/// rounding, and there is nothing to correct.
+fn settle_correction(
+    result: Result<Solved, SolveError>,
+    x: &mut [f64],
+) -> Result<Solved, SolveError> {
     match settle(result) {
         Err(SolveError::NotPositiveDefinite { iteration }) => {
+            x.fill(0.0);
             Ok(Solved { iterations: iteration, first: 0.0, last: 0.0 })
         }
         other => other,
