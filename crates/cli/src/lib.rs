@@ -1,6 +1,6 @@
 //! The `granflow` command: the only room that prints and exits.
 //!
-//! [`main`] reads the arguments, runs one command of [`commands`] and turns its outcome into
+//! [`main`] reads the arguments, runs one command of `commands` and turns its outcome into
 //! messages and an exit code:
 //!
 //! | code | meaning |

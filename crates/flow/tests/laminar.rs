@@ -1,6 +1,8 @@
 //! Laminar flows with known profiles: every local rheology, driven by a body force, a wall or the
 //! weight of the grains.
 
+#![allow(clippy::print_stdout, reason = "tests print what they measured")]
+
 mod common;
 
 use common::*;

@@ -1,6 +1,8 @@
 //! The laws of ARCHITECTURE.md that the flow room can break: the same bits for any number of
 //! threads, the same answer for any number of ranks, no allocation after the second step.
 
+#![allow(clippy::print_stdout, reason = "tests print what they measured")]
+
 mod common;
 
 use common::*;

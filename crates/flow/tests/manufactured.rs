@@ -1,6 +1,8 @@
 //! The whole system of momentum and pressure against exact solutions of the Navier-Stokes
 //! equations, against the benchmark of the driven cavity, and where viscosity varies a millionfold.
 
+#![allow(clippy::print_stdout, reason = "tests print what they measured")]
+
 mod common;
 
 use common::*;
