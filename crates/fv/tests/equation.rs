@@ -1,6 +1,12 @@
 //! Equations as data: what they say when they are wrong, how they print, and that the matrix is
 //! the sum over faces that it stands for, slip walls and doubled faces included.
 
+#![allow(
+    clippy::print_stdout,
+    clippy::needless_range_loop,
+    reason = "tests print what they measured, loops name their faces"
+)]
+
 mod common;
 
 use common::*;

@@ -1,6 +1,12 @@
 //! Order of accuracy of every operator by manufactured solutions (P. J. Roache, J. Fluids Eng.
 //! 124 (2002) 4), on regular and on bad meshes, and across every kind of coupled patch.
 
+#![allow(
+    clippy::print_stdout,
+    clippy::needless_range_loop,
+    reason = "tests print what they measured, loops name their faces"
+)]
+
 mod common;
 
 use common::*;

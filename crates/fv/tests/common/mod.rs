@@ -1,4 +1,10 @@
 //! Meshes, fields and small solves for the tests of this crate.
+#![allow(
+    dead_code,
+    unreachable_pub,
+    clippy::print_stdout,
+    reason = "shared by several test programs"
+)]
 #![allow(dead_code)]
 
 use granflow_base::{Dims, Value, Vec3};
