@@ -4,6 +4,7 @@
 #![allow(
     clippy::print_stdout,
     clippy::needless_range_loop,
+    clippy::type_complexity,
     reason = "tests print what they measured, loops name their faces"
 )]
 

@@ -5,8 +5,6 @@
     clippy::print_stdout,
     reason = "shared by several test programs"
 )]
-#![allow(dead_code)]
-
 use granflow_base::{Dims, Value, Vec3};
 use granflow_fv::conditions::{FixedGradient, FixedValue, OfPatchType};
 use granflow_fv::{Condition, Differentiable, Equation, FaceField, Surroundings, Terms, Unknown};
