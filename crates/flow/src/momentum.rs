@@ -111,7 +111,7 @@ impl Flow {
             }
             s
         });
-        if force > 0.0 { imbalance / force } else { 0.0 }
+        if force == 0.0 { 0.0 } else { imbalance / force }
     }
 }
 

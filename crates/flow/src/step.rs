@@ -225,7 +225,7 @@ impl Flow {
             }
             s
         });
-        if gross > 0.0 { net / gross } else { 0.0 }
+        if gross == 0.0 { 0.0 } else { net / gross }
     }
 
     fn check_finite(&self) -> Result<(), StepError> {
