@@ -174,7 +174,7 @@ fn bingham_poiseuille() {
 }
 
 #[test]
-#[ignore = "fails: PCG on the singular pressure breaks down at viscosity contrasts of 1e8 (GAMG does not)"]
+#[ignore = "fails: no convergence at caps of 2e5 times the viscosity and dt 1e6, with PCG or GAMG"]
 fn bingham_does_not_depend_on_the_cap() {
     let (tau0, nu) = (0.2, 0.05);
     cap_does_not_matter("Bingham", |nu0| local(Bingham { tau0, nu, nu0, density: 1000.0 }));
@@ -191,7 +191,7 @@ fn herschel_bulkley_poiseuille() {
 }
 
 #[test]
-#[ignore = "fails: PCG on the singular pressure breaks down at viscosity contrasts of 1e8 (GAMG does not)"]
+#[ignore = "fails: no convergence at caps of 2e5 times the viscosity and dt 1e6, with PCG or GAMG"]
 fn herschel_bulkley_does_not_depend_on_the_cap() {
     let (tau0, k, n) = (0.2, 0.05, 0.5);
     cap_does_not_matter("Herschel-Bulkley", |nu0| {

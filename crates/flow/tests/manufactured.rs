@@ -310,7 +310,7 @@ fn driven_cavity_meets_ghia() {
 }
 
 #[test]
-#[ignore = "fails: it does, by 1e-3 of the lid speed on coarse meshes"]
+#[ignore = "fails: it does, by 1.5e-3 of the lid speed on coarse meshes"]
 fn the_steady_state_does_not_depend_on_the_time_step() {
     let short = cavity(16, 100.0, 0.1, 40);
     let long = cavity(16, 100.0, 10.0, 40);
