@@ -23,6 +23,7 @@ pub(crate) struct Start {
     pub(crate) u_old: Option<Vec<Vec3>>,
     pub(crate) p: Vec<f64>,
     pub(crate) phi: Option<Vec<f64>>,
+    pub(crate) phi_old: Option<Vec<f64>>,
     pub(crate) fluidity: Option<Vec<f64>>,
 }
 
@@ -38,6 +39,7 @@ impl Start {
             u_old: s.u_old.as_ref().map(|u| own_cells(mesh, u)),
             p: own_cells(mesh, &s.p.cells),
             phi: s.phi.as_ref().map(|phi| own_fluxes(mesh, phi)),
+            phi_old: s.phi_old.as_ref().map(|phi| own_fluxes(mesh, phi)),
             fluidity: s.has_fluidity.then(|| own_cells(mesh, &s.fluidity.cells)),
         }
     }
@@ -47,11 +49,14 @@ impl Start {
         let (s, n) = (&flow.state, flow.mesh.n_cells);
         let k = case.pressure_factor();
         let backward = flow.numerics.ddt == granflow_flow::TimeScheme::Backward;
-        let mut phi: Vec<f64> = s.phi.data.iter().map(|phi| tidy(*phi)).collect();
-        for patch in flow.mesh.patches.iter().filter(|p| p.kind == PatchKind::Empty) {
-            // Files hold nothing for empty patches.
-            phi[patch.faces.clone()].fill(0.0);
-        }
+        let fluxes = |phi: &[f64]| {
+            let mut phi: Vec<f64> = phi.iter().map(|phi| tidy(*phi)).collect();
+            for patch in flow.mesh.patches.iter().filter(|p| p.kind == PatchKind::Empty) {
+                // Files hold nothing for empty patches.
+                phi[patch.faces.clone()].fill(0.0);
+            }
+            phi
+        };
         let tidied = |v: &[Vec3]| v[..n].iter().map(|v| tidy(*v)).collect::<Vec<_>>();
         Start {
             time: s.time,
@@ -60,7 +65,8 @@ impl Start {
             u: tidied(&s.u.cells.data),
             u_old: backward.then(|| tidied(&s.u_old)),
             p: s.p.cells.data[..n].iter().map(|p| tidy(p / k)).collect(),
-            phi: Some(phi),
+            phi: Some(fluxes(&s.phi.data)),
+            phi_old: backward.then(|| fluxes(&s.phi_old)),
             fluidity: flow
                 .fluid
                 .rheology
@@ -100,6 +106,7 @@ pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Fl
             operators::flux(&exec, &mesh, &u, &cells, &mut phi);
         }
     }
+    let phi_old = start.phi_old.unwrap_or_else(|| phi.data.clone());
     let mut u_old = vec![[0.0; 3]; mesh.n_all()];
     u_old[..n].copy_from_slice(start.u_old.as_deref().unwrap_or(&start.u));
     mesh.halo.update(&exec, &mut u_old);
@@ -141,10 +148,11 @@ pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Fl
         control: sol.control,
         u: Solve { solver: checked(&sol.u.spec), tolerance: sol.u.tolerance, last: sol.u.last },
         p: Solve { solver: checked(&sol.p.spec), tolerance: sol.p.tolerance, last: sol.p.last },
+        compression: checked(&sol.p.spec),
         reference,
         reference_value: case.reference.map_or(0.0, |r| r.1),
     };
-    let state =
-        State { time: start.time, step: start.step, u, u_old, dt_old: start.dt_old, p, phi };
+    let (time, step, dt_old) = (start.time, start.step, start.dt_old);
+    let state = State { time, step, u, u_old, dt_old, p, phi, phi_old };
     Flow::new(exec, mesh, state, Fluid { rho, rheology }, case.gravity, numerics)
 }

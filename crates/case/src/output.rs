@@ -97,6 +97,9 @@ pub(crate) fn write_time(
     let text = sheet(pressure, entries.p.dims).vol(&p, &entries.p.boundary, Some(&p_faces));
     dir.file(pressure, &text)?;
     dir.file("phi", &sheet("phi", Dims::VOLUME_FLUX).surface(&s.phi))?;
+    if let Some(phi_old) = &s.phi_old {
+        dir.file("phi_0", &sheet("phi_0", Dims::VOLUME_FLUX).surface(phi_old))?;
+    }
     if let Some(g) = &s.fluidity {
         let faces = owner_values(case, g);
         let text = sheet("fluidity", Dims::RATE).vol(g, &entries.fluidity.boundary, Some(&faces));

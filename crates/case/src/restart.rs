@@ -29,6 +29,8 @@ pub struct WholeState {
     pub p: VolField<f64>,
     /// Fluxes through the faces, m3/s.
     pub phi: Option<Vec<f64>>,
+    /// Fluxes one step earlier, m3/s.
+    pub phi_old: Option<Vec<f64>>,
     /// Fluidity; `cells` are zero where there is no file.
     pub fluidity: VolField<f64>,
     /// Whether `fluidity` came from a file.
@@ -93,13 +95,16 @@ impl WholeState {
             sink.push(Diag::file(path, "the fluidity is negative somewhere"));
         }
         let phi = read_surface(root, dir, "phi", Dims::VOLUME_FLUX, poly, sink)?;
+        let backward = config.schemes.ddt == granflow_flow::TimeScheme::Backward;
         let u_old = match read_vol::<Vec3>(root, dir, "U_0", &[Dims::VELOCITY], poly, sink)? {
-            Some(f) if config.schemes.ddt == granflow_flow::TimeScheme::Backward => Some(f.cells),
+            Some(f) if backward => Some(f.cells),
             _ => None,
         };
+        let phi_old =
+            read_surface(root, dir, "phi_0", Dims::VOLUME_FLUX, poly, sink)?.filter(|_| backward);
         let mut clock = Clock::read(root, dir, sink)?;
-        if config.schemes.ddt == granflow_flow::TimeScheme::Backward && u_old.is_none() {
-            // Without an earlier velocity the first step is a plain one.
+        if backward && (u_old.is_none() || phi_old.is_none()) {
+            // Without an earlier velocity and flux the first step is a plain one.
             clock.dt_old = 0.0;
         }
         let (Some(u), Some(p)) = (u, p) else { return Ok(None) };
@@ -113,6 +118,7 @@ impl WholeState {
             u_old,
             p,
             phi,
+            phi_old,
             fluidity,
             has_fluidity,
         }))

@@ -1,6 +1,9 @@
 //! One time step of an incompressible flow of one fluid: momentum, pressure, viscosity.
 
 mod anderson;
+mod coupled;
+mod interpolation;
+mod krylov;
 mod momentum;
 mod predictor;
 mod pressure;

@@ -71,7 +71,7 @@ impl Flow {
                 numerics.non_orthogonal,
                 &mut w.scratch_f,
             );
-            add_inner(exec, mesh.n_inner, 1.0, &w.scratch_f.data, &mut w.explicit.data);
+            add_faces(exec, mesh.n_faces(), 1.0, &w.scratch_f.data, &mut w.explicit.data);
         }
         numerics.convection.weigh(
             exec,
@@ -83,7 +83,7 @@ impl Flow {
             &mut w.scratch_f,
         );
         if numerics.convection == granflow_fv::Convection::LinearUpwind {
-            add_inner(exec, mesh.n_inner, -1.0, &w.scratch_f.data, &mut w.explicit.data);
+            add_faces(exec, mesh.n_inner, -1.0, &w.scratch_f.data, &mut w.explicit.data);
         }
     }
 
@@ -111,6 +111,7 @@ impl Flow {
             }
             s
         });
+        w.force = force;
         if force == 0.0 { 0.0 } else { imbalance / force }
     }
 }
@@ -121,8 +122,9 @@ fn off_diagonal(a: &granflow_linsolve::Csr, row: usize) -> f64 {
     all - a.val[a.diag[row] as usize]
 }
 
-fn add_inner<T: Value>(exec: &granflow_par::Exec, inner: usize, k: f64, from: &[T], to: &mut [T]) {
-    exec.for_each(&mut to[..inner], |first, to| {
+/// `to += k from` on the first `faces` faces.
+fn add_faces<T: Value>(exec: &granflow_par::Exec, faces: usize, k: f64, from: &[T], to: &mut [T]) {
+    exec.for_each(&mut to[..faces], |first, to| {
         to.iter_mut().enumerate().for_each(|(i, t)| *t = t.axpy(k, from[first + i]));
     });
 }

@@ -23,6 +23,8 @@ pub struct State {
     pub p: Unknown<f64>,
     /// Volume flux through the faces, m3/s.
     pub phi: FaceField<f64>,
+    /// Volume flux one step earlier (backward differences), m3/s.
+    pub phi_old: Vec<f64>,
 }
 
 /// The material: one fluid of constant density.
@@ -102,6 +104,8 @@ pub struct Numerics {
     pub u: Solve<Vec3>,
     /// Pressure.
     pub p: Solve<f64>,
+    /// The part of the pressure that answers compression where viscosity rules.
+    pub compression: Box<dyn LinearSolver<f64>>,
     /// Cell and value of the pressure level where no boundary fixes it; the cell lives on the
     /// rank that has `Some`.
     pub reference: Option<(usize, f64)>,

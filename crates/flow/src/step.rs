@@ -60,35 +60,42 @@ impl Flow {
         let constant = self.fluid.rheology.is_constant();
         let outer = self.numerics.outer.max(1);
         let mut report = Report { time: self.state.time, dt, ..Report::default() };
+        if !self.is_coupled() {
+            // PISO: one pass was asked for; a generalised Newtonian viscosity follows the flow one
+            // step behind, as users of PISO expect.
+            self.assemble_momentum(dt)?;
+            report.outer = 1;
+            self.correct(dt, 1.0, true, &mut report)?;
+            report.converged = true;
+            report.residuals.u = report.u.map_or(0.0, |(first, _)| first.first);
+            report.residuals.p = self.continuity_residual();
+            self.end_step(dt, &mut report)?;
+            return Ok(report);
+        }
         for k in 0..=outer {
-            if k == 0 {
+            // In the first pass nothing has moved yet, but the walls and the clock.
+            let settled = if k == 0 {
                 self.assemble_momentum(dt)?;
+                report.residuals.u = self.momentum_residual();
+                report.residuals.p = self.continuity_residual();
+                constant
             } else {
-                if outer == 1 && !self.fluid.rheology.reads_pressure() {
-                    // PISO: one pass was asked for; a generalised Newtonian viscosity follows the
-                    // flow one step behind, as users of PISO expect.
-                    report.converged = true;
-                    report.residuals.u = report.u.map_or(0.0, |(first, _)| first.first);
-                    report.residuals.p = self.continuity_residual();
-                    break;
-                }
-                if self.measure(dt, constant, k == outer, &mut report)? {
-                    report.converged = true;
-                    break;
-                }
-                if k == outer {
-                    break;
-                }
+                self.measure(dt, constant, k == outer, &mut report)?
+            };
+            report.converged = k > 0 && settled && report.residuals.within(&self.numerics.control);
+            if report.converged || k == outer {
+                break;
             }
             report.outer = k + 1;
-            self.correct(dt, k + 1 == outer, &mut report)?;
+            let wanted = self.wanted_reduction(settled, &report.residuals);
+            self.correct(dt, wanted, k + 1 == outer, &mut report)?;
         }
         self.end_step(dt, &mut report)?;
         Ok(report)
     }
 
     /// Evaluates the rheology at the flow as it stands, assembles momentum with what comes out,
-    /// and says whether that state is converged. All residuals belong to one state: velocity,
+    /// and says whether the viscosity is settled. All residuals belong to one state: velocity,
     /// pressure and flux as they are, viscosity from them.
     fn measure(
         &mut self,
@@ -111,11 +118,18 @@ impl Flow {
             }
         }
         self.assemble_momentum(dt)?;
-        if settled || last {
-            report.residuals.u = self.momentum_residual();
-            report.residuals.p = self.continuity_residual();
-        }
-        Ok(settled && report.residuals.within(&self.numerics.control))
+        report.residuals.u = self.momentum_residual();
+        report.residuals.p = self.continuity_residual();
+        Ok(settled)
+    }
+
+    /// How far the next pass is to reduce momentum and continuity: a little more than convergence
+    /// needs, and not much while the viscosity is still on its way.
+    fn wanted_reduction(&self, settled: bool, now: &Residuals) -> f64 {
+        let control = &self.numerics.control;
+        let needed = 0.1 * (control.u / now.u).min(control.p / now.p);
+        let (least, most) = if settled { SETTLED } else { MOVING };
+        if needed.is_nan() { most } else { needed.clamp(least, most) }
     }
 
     /// Residuals of the state as it stands, taken as a steady state (no inertia between steps);
@@ -150,13 +164,32 @@ impl Flow {
         Ok(residuals)
     }
 
-    /// Momentum, then the pressure corrections.
-    fn correct(&mut self, dt: f64, last: bool, report: &mut Report) -> Result<(), StepError> {
+    /// Whether momentum and pressure are solved together, until their residuals are small: always
+    /// where the viscosity follows the pressure, and where more than one outer pass was asked for.
+    fn is_coupled(&self) -> bool {
+        self.numerics.outer > 1 || self.fluid.rheology.reads_pressure()
+    }
+
+    /// One outer pass at the present viscosity. `wanted` is the reduction of the residuals that
+    /// convergence needs.
+    fn correct(
+        &mut self,
+        dt: f64,
+        wanted: f64,
+        last: bool,
+        report: &mut Report,
+    ) -> Result<(), StepError> {
+        if self.is_coupled() {
+            let [u, p] = self.solve_coupled(dt, wanted)?;
+            note(&mut report.u, &mut report.iterations[0], u);
+            note(&mut report.p, &mut report.iterations[1], p);
+            return Ok(());
+        }
         if self.numerics.predictor {
-            let solved = self.predict_velocity(dt, last)?;
+            let solved = self.predict_velocity(last)?;
             note(&mut report.u, &mut report.iterations[0], solved);
         }
-        self.update_mobility();
+        self.update_mobility(dt);
         for i in 0..self.numerics.correctors {
             let solved = self.correct_pressure(dt, last && i + 1 == self.numerics.correctors)?;
             note(&mut report.p, &mut report.iterations[1], solved);
@@ -193,6 +226,7 @@ impl Flow {
         let greatest = exec.max(n, |r| r.map(courant).fold(0.0, f64::max));
         report.courant = [sum / cells.max(1.0), greatest];
         state.u_old.copy_from_slice(&w.u_start);
+        state.phi_old.copy_from_slice(&w.phi_start);
         state.dt_old = dt;
         w.fresh = true;
         Ok(())
@@ -283,6 +317,11 @@ impl Flow {
         })
     }
 }
+
+/// Least and greatest reduction of momentum and continuity in one outer pass, with the viscosity
+/// settled and on its way.
+const SETTLED: (f64, f64) = (1e-6, 1e-1);
+const MOVING: (f64, f64) = (1e-2, 1e-1);
 
 /// Greatest imbalance of the rheology's own equation, over its terms, in a converged state: its
 /// Newton iterations end far below, unless they stall.

@@ -1,7 +1,7 @@
 //! Scratch of a step: allocated once, and any of it may be garbage between steps.
 
 use crate::Anderson;
-use crate::predictor::Krylov;
+use crate::coupled::Coupled;
 use granflow_base::{Dims, Tensor, Vec3};
 use granflow_fv::{CellField, Equation, FaceField, Reconstruction, Unknown};
 use granflow_mesh::Mesh;
@@ -53,9 +53,10 @@ pub(crate) struct Work {
     pub(crate) p_scratch: FaceField<f64>,
     /// 1/(2 eta), the pressure's answer to compression where viscosity rules.
     pub(crate) compliance: CellField<f64>,
-    pub(crate) level: CellField<f64>,
     pub(crate) reconstruction: Reconstruction,
-    pub(crate) krylov: Krylov,
+    /// Sum of the forces at work, from the last momentum residual, N.
+    pub(crate) force: f64,
+    pub(crate) coupled: Coupled,
 }
 
 impl Work {
@@ -105,9 +106,9 @@ impl Work {
             p_prime: Unknown::new(m, "p'", p.cells.dims, 0.0, conditions),
             p_scratch: FaceField::new(m, "phi'", Dims::VOLUME_FLUX, 0.0),
             compliance: CellField::new(m, "1/(2 eta)", Dims::VISCOSITY.inv(), 0.0),
-            level: CellField::new(m, "level", Dims::RATE, 0.0),
             reconstruction: Reconstruction::new(m),
-            krylov: Krylov::new(m),
+            force: 0.0,
+            coupled: Coupled::new(exec, m),
         }
     }
 }

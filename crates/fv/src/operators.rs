@@ -59,7 +59,14 @@ pub fn normal_derivative<T: Differentiable>(
     let o = mesh.owner[f] as usize;
     let here = phi.cells.data[o];
     let Some(&n) = mesh.neighbour.get(f) else {
-        return phi.boundary_value(mesh, f).minus(here).scaled(mesh.inv_dist[f]);
+        let compact = phi.boundary_value(mesh, f).minus(here).scaled(mesh.inv_dist[f]);
+        // Where the value is given, the line to the face's centre may lean; a given gradient is
+        // the normal one as it is.
+        let fixed = 1.0 - phi.closure.slope[f - mesh.n_inner];
+        return match gradient {
+            None => compact,
+            Some(g) => compact.axpy(fixed, T::along(g[o], mesh.nonorth[f])),
+        };
     };
     let n = n as usize;
     let compact = phi.cells.data[n].minus(here).scaled(mesh.inv_dist[f]);
@@ -85,15 +92,21 @@ pub fn non_orthogonal_flux<T: Differentiable>(
     limit: f64,
     out: &mut FaceField<T>,
 ) {
-    exec.for_each(&mut out.data[..mesh.n_inner], |first, out| {
+    exec.for_each(&mut out.data, |first, out| {
         for (i, q) in out.iter_mut().enumerate() {
             let f = first + i;
-            let (o, n) = (mesh.owner[f] as usize, mesh.neighbour[f] as usize);
-            let w = mesh.weight[f];
-            let at_face = gradient[o].scaled(w).axpy(1.0 - w, gradient[n]);
-            let mut part = T::along(at_face, mesh.nonorth[f]);
+            let o = mesh.owner[f] as usize;
+            let mut part = match mesh.neighbour.get(f) {
+                Some(&n) => {
+                    let w = mesh.weight[f];
+                    let at_face = gradient[o].scaled(w).axpy(1.0 - w, gradient[n as usize]);
+                    T::along(at_face, mesh.nonorth[f])
+                }
+                None => T::along(gradient[o], mesh.nonorth[f])
+                    .scaled(1.0 - phi.closure.slope[f - mesh.n_inner]),
+            };
             if limit < 1.0 {
-                let compact = phi.cells.data[n].minus(phi.cells.data[o]).scaled(mesh.inv_dist[f]);
+                let compact = normal_derivative(mesh, phi, None, f);
                 let (size, most) = (part.inner(part).sqrt(), compact.inner(compact).sqrt());
                 let cap = limit * most / ((1.0 - limit) * size).max(f64::MIN_POSITIVE);
                 part = part.scaled(cap.min(1.0));

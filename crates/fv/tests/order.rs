@@ -218,7 +218,6 @@ fn laplacian_with_fixed_values() {
 
 /// Cells that lean at the wall: the line from the cell's centre to the face's is not normal.
 #[test]
-#[ignore = "fails: first order: no non-orthogonal correction on boundary faces"]
 fn laplacian_with_fixed_values_on_leaning_cells() {
     fixed_values(&[1]);
 }

@@ -116,7 +116,11 @@ impl Mesh {
         }
         m.mag_area = m.area.iter().map(|&a| norm(a)).collect();
         (m.cell_ptr, m.cell_faces) = link_cells(n_cells, &m.owner, &m.neighbour);
+        // Through empty and wedge patches there is no gradient to correct.
+        let flat = |p: &&Patch| !matches!(p.kind, PatchKind::Empty | PatchKind::Wedge);
+        let boundary = m.patches.iter().filter(flat).flat_map(|p| p.faces.clone());
         m.max_nonorth_deg = (0..m.n_inner)
+            .chain(boundary)
             .map(|f| dot(m.area[f], m.delta[f]) / (m.mag_area[f] * norm(m.delta[f])))
             .fold(1.0, f64::min)
             .clamp(-1.0, 1.0)
@@ -147,7 +151,8 @@ impl Mesh {
         let across = (dot(g.area[f], delta) / norm(g.area[f])).max(MIN_COS * norm(delta));
         self.delta.push(delta);
         self.inv_dist.push(1.0 / across);
-        self.nonorth.push([0.0; 3]);
+        let normal = scale(g.area[f], 1.0 / norm(g.area[f]));
+        self.nonorth.push(sub(normal, scale(delta, 1.0 / across)));
     }
 
     /// Adds the faces and ghosts of one coupled patch and returns how the ghosts are filled.

@@ -50,6 +50,7 @@ pub fn numerics(outer: usize, correctors: usize) -> Numerics {
         control: ResidualControl::default(),
         u: Solve { solver: solver("PBiCGStab", "DILU"), tolerance: tight(), last: tight() },
         p: Solve { solver: solver("PCG", "DIC"), tolerance: tight(), last: tight() },
+        compression: solver("PCG", "DIC"),
         reference: Some((0, 0.0)),
         reference_value: 0.0,
     }
@@ -125,6 +126,7 @@ impl Setup {
             dt_old: 0.0,
             p,
             phi: FaceField::new(&m, "phi", Dims::VOLUME_FLUX, 0.0),
+            phi_old: vec![0.0; m.n_faces()],
         };
         let fluid = Fluid { rho: self.rho, rheology };
         Flow::new(self.exec, m, state, fluid, self.gravity, self.numerics)

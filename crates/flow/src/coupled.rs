@@ -1,0 +1,349 @@
+//! Momentum (paper eq. 8) and continuity (eq. 7) solved together, viscosity and convecting flux
+//! held, by a flexible generalised minimal residual method (Y. Saad, SIAM J. Sci. Comput. 14
+//! (1993) 461) on the whole operator: transpose stress, momentum interpolation and all.
+//!
+//! One sweep of the segregated method is the preconditioner: velocity from the matrix of momentum,
+//! the pressure that makes its flux continuous where inertia rules, `-div(dt/rho grad p1)`, and
+//! the one that answers compression where viscosity rules, `p2/(2 eta) - div(r grad p2)` (J.
+//! Cahouet, J.-P. Chabard, Int. J. Numer. Meth. Fluids 8 (1988) 869). By itself that sweep stalls
+//! or diverges where viscosity varies by decades (its transpose part lies outside the matrix, its
+//! pressure part knows the viscosity of one cell only); as a preconditioner what it gets wrong
+//! costs a direction, not convergence. No relaxation factor is needed and no step is too long.
+
+use crate::interpolation::{Interpolated, interpolated_flux};
+use crate::krylov::{DIRECTIONS, Hessenberg};
+use crate::{Flow, StepError};
+use granflow_base::{Dims, Tensor, Value, Vec3, norm};
+use granflow_fv::{Equation, FaceField, Unknown, laplacian, operators, sp};
+use granflow_linsolve::{SolveError, Solved, Tolerance};
+use granflow_mesh::Mesh;
+use granflow_par::Exec;
+
+/// How well the preconditioner's own systems are solved: a direction is worth no more.
+const VELOCITY: Tolerance = Tolerance { abs: 0.0, rel: 0.1, max_iter: 50 };
+const PRESSURE: Tolerance = Tolerance { abs: 0.0, rel: 0.05, max_iter: 50 };
+
+/// Residual or change of momentum and continuity: velocity-like and pressure-like part, with room
+/// for ghosts.
+struct Pair {
+    u: Vec<Vec3>,
+    p: Vec<f64>,
+}
+
+impl Pair {
+    fn new(cells: usize) -> Self {
+        Pair { u: vec![[0.0; 3]; cells], p: vec![0.0; cells] }
+    }
+    fn dot(&self, exec: &Exec, n: usize, other: &Pair) -> f64 {
+        exec.dot(&self.u[..n], &other.u[..n]) + exec.dot(&self.p[..n], &other.p[..n])
+    }
+    /// `self += k other` in the first `n` cells.
+    fn add(&mut self, exec: &Exec, n: usize, k: f64, other: &Pair) {
+        exec.for_each2(&mut self.u[..n], &mut self.p[..n], |first, u, p| {
+            for i in 0..u.len() {
+                u[i] = u[i].axpy(k, other.u[first + i]);
+                p[i] += k * other.p[first + i];
+            }
+        });
+    }
+    fn scale(&mut self, exec: &Exec, n: usize, k: f64) {
+        exec.for_each2(&mut self.u[..n], &mut self.p[..n], |_, u, p| {
+            for i in 0..u.len() {
+                u[i] = u[i].scaled(k);
+                p[i] *= k;
+            }
+        });
+    }
+}
+
+/// Scratch of the method.
+pub(crate) struct Coupled {
+    basis: Vec<Pair>,
+    directions: Vec<Pair>,
+    /// A change of velocity with the homogeneous form of U's conditions.
+    du: Unknown<Vec3>,
+    gradient: Vec<Tensor>,
+    stress: FaceField<Vec3>,
+    flux: FaceField<f64>,
+    /// `p2/(2 eta) - div(r grad p2)`.
+    viscous: Equation<f64>,
+    /// Right-hand side of both pressure equations, and the second one's solution.
+    rhs: Vec<f64>,
+    second: Vec<f64>,
+}
+
+impl Coupled {
+    pub(crate) fn new(exec: &Exec, m: &Mesh) -> Self {
+        let cells = m.n_all();
+        let conditions = m
+            .patches
+            .iter()
+            .map(|_| Box::new(granflow_fv::conditions::ZeroGradient) as Box<_>)
+            .collect();
+        Coupled {
+            basis: (0..=DIRECTIONS).map(|_| Pair::new(cells)).collect(),
+            directions: (0..DIRECTIONS).map(|_| Pair::new(cells)).collect(),
+            du: Unknown::new(m, "dU", Dims::VELOCITY, [0.0; 3], conditions),
+            gradient: vec![[0.0; 9]; cells],
+            stress: FaceField::new(m, "stress", Dims::FORCE, [0.0; 3]),
+            flux: FaceField::new(m, "phi", Dims::VOLUME_FLUX, 0.0),
+            viscous: Equation::new(exec, m),
+            rhs: vec![0.0; m.n_cells],
+            second: vec![0.0; cells],
+        }
+    }
+}
+
+/// What makes residuals of momentum and continuity comparable: the forces and the fluxes at work.
+#[derive(Clone, Copy)]
+struct Scales {
+    force: f64,
+    flux: f64,
+}
+
+impl Flow {
+    /// One cycle: velocity, pressure and flux change by the best combination of the directions
+    /// found until the residual of the linear problem has fallen by `reduction`. On entry momentum
+    /// is assembled and `work.residual` is its residual.
+    pub(crate) fn solve_coupled(
+        &mut self,
+        dt: f64,
+        reduction: f64,
+    ) -> Result<[Solved; 2], StepError> {
+        self.update_mobility(dt);
+        self.interpolate_flux_of_state(dt);
+        self.prepare_preconditioner()?;
+        let scales = self.scales();
+        let n = self.mesh.n_cells;
+        {
+            let Flow { exec, mesh, state, work: w, .. } = self;
+            let first = &mut w.coupled.basis[0];
+            let (residual, phi) = (&w.residual, &state.phi.data);
+            exec.for_each2(&mut first.u[..n], &mut first.p[..n], |from, u, p| {
+                for i in 0..u.len() {
+                    let c = from + i;
+                    u[i] = residual[c].scaled(1.0 / scales.force);
+                    let net: f64 = mesh.faces_of(c).map(|(f, s)| s * phi[f]).sum();
+                    p[i] = -net / scales.flux;
+                }
+            });
+        }
+        let exec = &self.exec;
+        let size = self.work.coupled.basis[0].dot(exec, n, &self.work.coupled.basis[0]).sqrt();
+        let mut done = [Solved { iterations: 0, first: size, last: size }; 2];
+        if size == 0.0 || !size.is_finite() {
+            return Ok(done);
+        }
+        self.work.coupled.basis[0].scale(&self.exec, n, 1.0 / size);
+        let mut small = Hessenberg::new(size);
+        for j in 0..DIRECTIONS {
+            let solved = self.precondition(j, scales)?;
+            done[0].iterations += solved[0];
+            done[1].iterations += solved[1];
+            self.apply_operator(j, scales);
+            let Flow { exec, work: w, .. } = self;
+            let (known, next) = w.coupled.basis.split_at_mut(j + 1);
+            let next = &mut next[0];
+            let mut products = [0.0; DIRECTIONS];
+            for (k, v) in products.iter_mut().zip(known.iter()) {
+                *k = v.dot(exec, n, next);
+                next.add(exec, n, -*k, v);
+            }
+            let length = next.dot(exec, n, next).sqrt();
+            if !small.push(&products[..=j], length)
+                || small.residual() <= reduction * size
+                || length <= 1e-14 * size
+            {
+                break;
+            }
+            next.scale(exec, n, 1.0 / length);
+        }
+        self.take(&small);
+        self.fix_pressure_level();
+        self.update_conditions();
+        self.interpolate_flux_of_state(dt);
+        done.iter_mut().for_each(|d| d.last = small.residual());
+        Ok(done)
+    }
+
+    /// Adds the best combination of the directions to velocity and pressure.
+    fn take(&mut self, small: &Hessenberg) {
+        let Flow { exec, mesh, state, work: w, .. } = self;
+        let (n, y, z) = (mesh.n_cells, small.weights(), &w.coupled.directions[..small.len()]);
+        let (u, p) = (&mut state.u.cells.data[..n], &mut state.p.cells.data[..n]);
+        exec.for_each2(u, p, |first, u, p| {
+            for i in 0..u.len() {
+                for (z, y) in z.iter().zip(&y) {
+                    u[i] = u[i].axpy(*y, z.u[first + i]);
+                    p[i] += y * z.p[first + i];
+                }
+            }
+        });
+    }
+
+    fn scales(&self) -> Scales {
+        let Flow { exec, mesh, state, work: w, .. } = self;
+        let (u, a, residual) = (&state.u.cells.data, &w.u_eqn.a, &w.residual);
+        // The velocity of a cell, or the one that its imbalance is about to give it.
+        let flux = exec.sum(mesh.n_cells, |range| {
+            let mut s = 0.0;
+            for c in range {
+                let speed = norm(u[c]).max(norm(residual[c]) / a.val[a.diag[c] as usize].abs());
+                s += speed * mesh.faces_of(c).map(|(f, _)| mesh.mag_area[f]).sum::<f64>();
+            }
+            s
+        });
+        let positive = |x: f64| if x > 0.0 { x } else { 1.0 };
+        Scales { force: positive(w.force), flux: positive(flux) }
+    }
+
+    /// Matrices of the preconditioner, once for all directions.
+    fn prepare_preconditioner(&mut self) -> Result<(), StepError> {
+        let time = self.state.time;
+        // Of the whole operator, and of the matrix alone where the transpose part vanishes.
+        let share = if self.fluid.rheology.is_constant() { 1.0 } else { 0.5 };
+        let Flow { exec, mesh, state, numerics, work: w, .. } = self;
+        let n = mesh.n_cells;
+        let eta = &w.eta.data;
+        exec.for_each(&mut w.compliance.data[..n], |first, out| {
+            out.iter_mut().enumerate().for_each(|(i, k)| *k = share / eta[first + i]);
+        });
+        // p' vanishes where p is fixed and has zero gradient elsewhere.
+        let closure = &mut w.p_prime.closure;
+        closure.slope.copy_from_slice(&state.p.closure.slope);
+        closure.offset.fill(0.0);
+        w.p_eqn.assemble(exec, mesh, &w.p_prime, &(-laplacian(&w.r_at_f)).into())?;
+        let viscous = sp(&w.compliance) - laplacian(&w.r_a_f);
+        w.coupled.viscous.assemble(exec, mesh, &w.p_prime, &viscous)?;
+        let closure = &mut w.coupled.du.closure;
+        closure.slope.copy_from_slice(&state.u.closure.slope);
+        closure.normal.copy_from_slice(&state.u.closure.normal);
+        closure.offset.fill([0.0; 3]);
+        let failed = |field| move |source| StepError::Solve { field, time, source };
+        numerics.u.solver.refresh(exec, &w.u_eqn.a).map_err(failed("U"))?;
+        numerics.p.solver.refresh(exec, &w.p_eqn.a).map_err(failed("p"))?;
+        numerics.compression.refresh(exec, &w.coupled.viscous.a).map_err(failed("p"))
+    }
+
+    /// `directions[j] = P^-1 basis[j]`; iterations of the velocity and pressure systems.
+    fn precondition(&mut self, j: usize, scales: Scales) -> Result<[usize; 2], StepError> {
+        let time = self.state.time;
+        let failed = |field| move |source| StepError::Solve { field, time, source };
+        let Flow { exec, mesh, numerics, work: w, .. } = self;
+        let n = mesh.n_cells;
+        let Coupled { basis, directions, du, flux, viscous, rhs, second, .. } = &mut w.coupled;
+        let (v, z) = (&basis[j], &mut directions[j]);
+        // Momentum with the pressure as it is.
+        let force = &mut w.hby_a;
+        exec.for_each(&mut force[..n], |first, b| {
+            b.iter_mut().enumerate().for_each(|(i, b)| *b = v.u[first + i].scaled(scales.force));
+        });
+        z.u.fill([0.0; 3]);
+        let solver = &mut numerics.u.solver;
+        let result = solver.solve(exec, &w.u_eqn.a, &force[..n], &mut z.u, &VELOCITY);
+        let of_u = settle(result, &mut z.u).map_err(failed("U"))?;
+        // What its flux lacks.
+        mesh.halo.update(exec, &mut z.u);
+        du.cells.data.copy_from_slice(&z.u);
+        operators::flux(exec, mesh, du, &du.cells.data, flux);
+        let flux = &flux.data;
+        exec.for_each(rhs, |first, b| {
+            for (i, b) in b.iter_mut().enumerate() {
+                let net: f64 = mesh.faces_of(first + i).map(|(f, s)| s * flux[f]).sum();
+                *b = scales.flux * v.p[first + i] - net;
+            }
+        });
+        // Where inertia rules,
+        let p1 = &mut w.p_prime.cells.data;
+        p1.fill(0.0);
+        let result = numerics.p.solver.solve(exec, &w.p_eqn.a, rhs, p1, &PRESSURE);
+        let of_p1 = settle(result, p1).map_err(failed("p"))?;
+        // and where viscosity does.
+        second.fill(0.0);
+        let result = numerics.compression.solve(exec, &viscous.a, rhs, second, &PRESSURE);
+        let of_p2 = settle(result, second).map_err(failed("p"))?;
+        mesh.halo.update(exec, &mut w.p_prime.cells.data);
+        numerics.gradient.of(exec, mesh, &w.p_prime, &mut w.grad_p);
+        let (r_at, grad, p1) = (&w.r_at.data, &w.grad_p, &w.p_prime.cells.data);
+        exec.for_each2(&mut z.u[..n], &mut z.p[..n], |first, u, p| {
+            for i in 0..u.len() {
+                let c = first + i;
+                u[i] = u[i].axpy(-r_at[c], grad[c]);
+                p[i] = p1[c] + second[c];
+            }
+        });
+        Ok([of_u.iterations, of_p1.iterations + of_p2.iterations])
+    }
+
+    /// `basis[j + 1] = A directions[j]`, momentum and continuity.
+    fn apply_operator(&mut self, j: usize, scales: Scales) {
+        let Flow { exec, mesh, numerics, work: w, fluid, .. } = self;
+        let n = mesh.n_cells;
+        let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
+        let Coupled { basis, directions, du, gradient, stress, flux, .. } = &mut w.coupled;
+        let (out, z) = (&mut basis[j + 1], &mut directions[j]);
+        mesh.halo.update(exec, &mut z.u);
+        mesh.halo.update(exec, &mut z.p);
+        du.cells.data.copy_from_slice(&z.u);
+        w.p_prime.cells.data.copy_from_slice(&z.p);
+        let transposed = !fluid.rheology.is_constant();
+        // A limited correction is not linear: it waits for the next cycle.
+        let corrected = leaning && numerics.non_orthogonal >= 1.0;
+        if transposed || corrected {
+            numerics.gradient.of(exec, mesh, du, gradient);
+        }
+        stress.data.fill([0.0; 3]);
+        if transposed {
+            operators::transpose_stress_flux(exec, mesh, du, gradient, &w.eta_f, stress);
+        }
+        if corrected {
+            let (eta, all) = (&w.eta_f, numerics.non_orthogonal);
+            let extra = &mut w.scratch_f;
+            operators::non_orthogonal_flux(exec, mesh, du, gradient, eta, all, extra);
+            let extra = &w.scratch_f.data;
+            exec.for_each(&mut stress.data, |first, t| {
+                t.iter_mut().enumerate().for_each(|(i, t)| *t = t.plus(extra[first + i]));
+            });
+        }
+        numerics.gradient.of(exec, mesh, &w.p_prime, &mut w.grad_p);
+        w.u_eqn.a.apply(exec, &mut z.u, &mut out.u);
+        let of = Interpolated {
+            u: du,
+            cells: &z.u,
+            p: &w.p_prime,
+            grad_p: &w.grad_p,
+            corrected: corrected.then_some(&w.grad_p[..]),
+            mobility: &w.r_a_f.data,
+        };
+        interpolated_flux(exec, mesh, &of, flux);
+        let (stress, flux, grad, volume) = (&stress.data, &flux.data, &w.grad_p, &mesh.volume);
+        exec.for_each2(&mut out.u[..n], &mut out.p[..n], |first, u, p| {
+            for i in 0..u.len() {
+                let c = first + i;
+                let (mut force, mut net) = (u[i].axpy(volume[c], grad[c]), 0.0);
+                for (f, s) in mesh.faces_of(c) {
+                    force = force.axpy(-s, stress[f]);
+                    net += s * flux[f];
+                }
+                u[i] = force.scaled(1.0 / scales.force);
+                p[i] = net / scales.flux;
+            }
+        });
+    }
+}
+
+/// A system of the preconditioner that was solved badly, or hardly at all, still gives a
+/// direction; only what is not finite stops the step.
+fn settle<T: Value>(
+    result: Result<Solved, SolveError>,
+    x: &mut [T],
+) -> Result<Solved, SolveError> {
+    match result {
+        Err(SolveError::NotConverged(solved)) => Ok(solved),
+        Err(SolveError::NotPositiveDefinite { iteration }) => {
+            x.fill(T::ZERO);
+            Ok(Solved { iterations: iteration, first: 0.0, last: 0.0 })
+        }
+        other => other,
+    }
+}

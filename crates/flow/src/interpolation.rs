@@ -1,0 +1,179 @@
+//! Momentum interpolation: the flux through a face from the momentum of its two cells.
+//!
+//! The flux is that of the interpolated velocity, with the compact pressure gradient over the face
+//! in place of the interpolated one (C. M. Rhie, W. L. Chow, AIAA J. 21 (1983) 1525), and the old
+//! flux in place of the interpolated old velocity. The mobility of a face keeps inertia apart from
+//! the rest, so that a steady flux knows nothing of the time step (A. Cubero, N. Fueyo, Numer.
+//! Heat Transfer B 52 (2007) 507).
+
+use crate::Flow;
+use granflow_base::{Value, Vec3, dot};
+use granflow_fv::{FaceField, Unknown, operators};
+use granflow_mesh::Mesh;
+use granflow_par::Exec;
+
+/// The mobility of all cells together exceeds that of one by at most this factor: beyond it the
+/// time step is infinite as far as the mesh can tell.
+const MOST_MOBILE: f64 = 1e6;
+/// What a flux is interpolated from.
+pub(crate) struct Interpolated<'a> {
+    /// The velocity's conditions.
+    pub(crate) u: &'a Unknown<Vec3>,
+    /// Velocity in cells and ghosts, m/s.
+    pub(crate) cells: &'a [Vec3],
+    /// The pressure and
+    pub(crate) p: &'a Unknown<f64>,
+    /// its gradient in cells and ghosts, Pa/m.
+    pub(crate) grad_p: &'a [Vec3],
+    /// The same where leaning faces are corrected.
+    pub(crate) corrected: Option<&'a [Vec3]>,
+    /// Velocity per pressure gradient on faces.
+    pub(crate) mobility: &'a [f64],
+}
+
+/// `phi = S . u_f + r_f (S . (grad p)_f - |S| dp/dn)`.
+pub(crate) fn interpolated_flux(
+    exec: &Exec,
+    mesh: &Mesh,
+    of: &Interpolated<'_>,
+    phi: &mut FaceField<f64>,
+) {
+    let Interpolated { u, cells, p, grad_p, corrected, mobility } = of;
+    operators::flux(exec, mesh, u, cells, phi);
+    exec.for_each(&mut phi.data, |first, out| {
+        for (i, phi) in out.iter_mut().enumerate() {
+            let f = first + i;
+            let o = mesh.owner[f] as usize;
+            let wide = match mesh.neighbour.get(f) {
+                Some(&n) => {
+                    let w = mesh.weight[f];
+                    let between = grad_p[o].scaled(w).axpy(1.0 - w, grad_p[n as usize]);
+                    dot(between, mesh.area[f])
+                }
+                None => {
+                    // Where the cell's velocity leaves through the boundary, its own pressure
+                    // gradient is in it already.
+                    let b = f - mesh.n_inner;
+                    let open = u.closure.slope[b] * (1.0 - u.closure.normal[b]);
+                    if open > 0.0 { open * dot(grad_p[o], mesh.area[f]) } else { 0.0 }
+                }
+            };
+            let compact = operators::normal_derivative(mesh, p, *corrected, f);
+            *phi += mobility[f] * (wide - mesh.mag_area[f] * compact);
+        }
+    });
+}
+
+impl Flow {
+    /// Mobilities of the momentum equation in cells and on faces.
+    pub(crate) fn update_mobility(&mut self, dt: f64) {
+        let inertia = self.fluid.rho * self.ddt_coefficients(dt)[0] / dt;
+        let Flow { exec, mesh, work: w, .. } = self;
+        let (eqn, volume) = (&w.u_eqn, &mesh.volume);
+        let n = mesh.n_cells;
+        exec.for_each2(&mut w.r_a.data[..n], &mut w.r_at.data[..n], |first, one, all| {
+            for i in 0..one.len() {
+                let c = first + i;
+                let a = eqn.a.val[eqn.a.diag[c] as usize];
+                one[i] = volume[c] / a.abs();
+                // Not dominant in a cell that more enters than leaves: its size counts.
+                all[i] = volume[c] / eqn.row_sum[c].max(a.abs() / MOST_MOBILE).min(a.abs());
+            }
+        });
+        mesh.halo.update(exec, &mut w.r_a.data);
+        mesh.halo.update(exec, &mut w.r_at.data);
+        operators::to_faces(exec, mesh, &w.r_at.data, &mut w.r_at_f);
+        let r_a = &w.r_a.data;
+        exec.for_each(&mut w.r_a_f.data, |first, out| {
+            let steady = |c: u32| {
+                let one = r_a[c as usize];
+                one / (1.0 - inertia * one).max(1.0 / MOST_MOBILE)
+            };
+            for (i, r) in out.iter_mut().enumerate() {
+                let f = first + i;
+                let rest = match mesh.neighbour.get(f) {
+                    Some(&n) => {
+                        let w = mesh.weight[f];
+                        w * steady(mesh.owner[f]) + (1.0 - w) * steady(n)
+                    }
+                    None => steady(mesh.owner[f]),
+                };
+                *r = rest / (1.0 + inertia * rest);
+            }
+        });
+    }
+
+    /// The flux of velocity and pressure as they stand, into the state.
+    pub(crate) fn interpolate_flux_of_state(&mut self, dt: f64) {
+        {
+            let Flow { exec, mesh, state, numerics, work: w, .. } = self;
+            numerics.gradient.of(exec, mesh, &state.p, &mut w.grad_p);
+            let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
+            let of = Interpolated {
+                u: &state.u,
+                cells: &state.u.cells.data,
+                p: &state.p,
+                grad_p: &w.grad_p,
+                corrected: leaning.then_some(&w.grad_p[..]),
+                mobility: &w.r_a_f.data,
+            };
+            interpolated_flux(exec, mesh, &of, &mut state.phi);
+        }
+        self.remember_flux(dt, |flow| &mut flow.state.phi);
+    }
+
+    /// The flux (into `phi_star`) of the velocity that momentum gives each cell from its
+    /// neighbours with the present pressure gradient (into `hby_a`).
+    pub(crate) fn interpolate_flux_of_momentum(&mut self, dt: f64) {
+        {
+            let Flow { exec, mesh, state, numerics, work: w, .. } = self;
+            let n = mesh.n_cells;
+            w.u_eqn.jacobi(exec, &state.u.cells.data, &mut w.hby_a[..n]);
+            numerics.gradient.of(exec, mesh, &state.p, &mut w.grad_p);
+            let (r_a, grad_p) = (&w.r_a.data, &w.grad_p);
+            exec.for_each(&mut w.hby_a[..n], |first, u| {
+                for (i, u) in u.iter_mut().enumerate() {
+                    let c = first + i;
+                    *u = u.axpy(-r_a[c], grad_p[c]);
+                }
+            });
+            mesh.halo.update(exec, &mut w.hby_a);
+            let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
+            let of = Interpolated {
+                u: &state.u,
+                cells: &w.hby_a,
+                p: &state.p,
+                grad_p: &w.grad_p,
+                corrected: leaning.then_some(&w.grad_p[..]),
+                mobility: &w.r_a_f.data,
+            };
+            interpolated_flux(exec, mesh, &of, &mut w.phi_star);
+        }
+        self.remember_flux(dt, |flow| &mut flow.work.phi_star);
+    }
+
+    /// Adds to the flux what the old ones were ahead of the interpolated old velocities.
+    fn remember_flux(&mut self, dt: f64, of: impl Fn(&mut Flow) -> &mut FaceField<f64>) {
+        let c = self.ddt_coefficients(dt);
+        let per_step = self.fluid.rho / dt;
+        let mut phi = std::mem::take(&mut of(self).data);
+        let Flow { exec, mesh, state, work: w, .. } = self;
+        let (r_a_f, phi_start, u_start) = (&w.r_a_f.data, &w.phi_start, &w.u_start);
+        let (phi_old, u_old) = (&state.phi_old, &state.u_old);
+        exec.for_each(&mut phi[..mesh.n_inner], |first, out| {
+            for (i, phi) in out.iter_mut().enumerate() {
+                let f = first + i;
+                let (o, n, w) =
+                    (mesh.owner[f] as usize, mesh.neighbour[f] as usize, mesh.weight[f]);
+                let interpolated =
+                    |x: &[Vec3]| dot(x[o].scaled(w).axpy(1.0 - w, x[n]), mesh.area[f]);
+                let mut ahead = c[1] * (phi_start[f] - interpolated(u_start));
+                if c[2] != 0.0 {
+                    ahead -= c[2] * (phi_old[f] - interpolated(u_old));
+                }
+                *phi += r_a_f[f] * per_step * ahead;
+            }
+        });
+        of(self).data = phi;
+    }
+}
