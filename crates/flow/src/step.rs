@@ -205,6 +205,7 @@ impl Flow {
         fluid.rheology.begin_step();
         w.clock_start = (state.time, state.step);
         w.fresh = false;
+        w.coupled.begin_step();
         state.time += dt;
         state.step += 1;
         self.update_conditions();

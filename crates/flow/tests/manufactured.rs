@@ -393,12 +393,16 @@ fn short_steps_with_a_viscosity_contrast_are_stable() {
         |p| if p[1] > 0.5 { 1.0 } else { 1e6 },
     ] {
         let mut flow = layers(40, eta);
-        for _ in 0..30 {
+        flow.numerics.control = ResidualControl { u: 1e-11, p: 1e-11, viscosity: 1e-8 };
+        for step in 1..=30 {
             let report = run(&mut flow, 1e-3, 1);
             assert!(report.converged, "{report:?}");
             let u = &flow.state.u.cells.data;
             assert!(u.iter().all(|u| u[0] > -1e-9 && u[0] < 1.0 + 1e-9), "out of bounds");
-            assert!(u.iter().all(|u| u[1].abs() < 1e-9 && u[2].abs() < 1e-9), "across the shear");
+            // Each step may leave what its residual allows, and hardly anything damps it.
+            let across = u.iter().map(|u| u[1].abs()).fold(0.0, f64::max);
+            assert!(across < 1e-8 * f64::from(step), "across the shear: {across:.1e}");
+            assert!(u.iter().all(|u| u[2].abs() < 1e-12), "out of the plane");
         }
     }
 }
@@ -423,7 +427,8 @@ fn under_a_lid(what: &str, eta: impl Fn(Vec3) -> f64 + Copy + Send + 'static) {
                 report.outer, report.change, report.residuals
             );
             assert!(report.converged, "{what}, dt {dt:.0e}, step {step}: {report:?}");
-            assert!(most < 1.5, "{what}, dt {dt:.0e}: {most}");
+            // Soft cells between stiff ones are jets.
+            assert!(most < 2.5, "{what}, dt {dt:.0e}: {most}");
             assert!(step == 0 || dt < 1.0 || report.change < 1e-5, "{what}: {report:?}");
         }
     }
