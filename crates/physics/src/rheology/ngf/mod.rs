@@ -414,8 +414,16 @@ impl Rheology for Ngf {
         v: &FlowView<'_>,
         eta: &mut CellField<f64>,
     ) -> Result<RheologyInfo, RheologyError> {
+        // Without a fluidity to start from there is none to remember: grains that are about to move
+        // are in equilibrium with the first guess of their rate. (Remembering zero would hold
+        // them rigid for as long as dt is less than t0.)
+        let first = !self.known;
+        let v = &FlowView { dt: if first { f64::INFINITY } else { v.dt }, ..*v };
         self.prepare(v)?;
         let info = self.newton(v)?;
+        if first {
+            self.g_old.copy_from_slice(&self.g.cells.data);
+        }
         self.known = true;
         self.viscosity(v, eta);
         Ok(info)
