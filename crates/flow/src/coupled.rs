@@ -20,12 +20,13 @@ use granflow_mesh::Mesh;
 use granflow_par::Exec;
 
 /// How well the preconditioner's own systems are solved: a direction is worth no more.
-const VELOCITY: Tolerance = Tolerance { abs: 0.0, rel: 0.1, max_iter: 200 };
+const VELOCITY: Tolerance = Tolerance { abs: 0.0, rel: 0.03, max_iter: 200 };
 const PRESSURE: Tolerance = Tolerance { abs: 0.0, rel: 0.05, max_iter: 50 };
-/// Where viscosity varies wildly, a velocity that leaves a tenth of the force unbalanced may be
-/// wrong everywhere that is soft: a cycle that runs out of directions asks this much more of the
+/// Where viscosity varies wildly, a velocity that leaves little force unbalanced may be wrong
+/// everywhere that is soft: a cycle that hardly reduces the residual asks this much more of the
 /// next one, in the same step.
 const TIGHTEN: f64 = 0.1;
+const HARDLY: f64 = 0.3;
 const TIGHTEST: f64 = 1e-6;
 
 /// Residual or change of momentum and continuity: velocity-like and pressure-like part, with room
@@ -170,7 +171,7 @@ impl Flow {
             }
             next.scale(exec, n, 1.0 / length);
         }
-        if small.residual() > reduction * size {
+        if small.residual() > reduction.max(HARDLY) * size {
             self.work.coupled.tightness *= TIGHTEN;
         }
         self.take(&small);

@@ -76,7 +76,7 @@ pub struct ResidualControl {
 
 impl Default for ResidualControl {
     fn default() -> Self {
-        ResidualControl { u: 1e-8, p: 1e-8, viscosity: 1e-8 }
+        ResidualControl { u: 1e-8, p: 1e-8, viscosity: 1e-7 }
     }
 }
 
