@@ -22,6 +22,7 @@ pub mod plot;
 pub mod restart;
 mod run;
 pub mod store;
+mod tensile;
 mod worker;
 
 pub use case::{Case, From, Options};
@@ -29,3 +30,4 @@ pub use config::CaseConfig;
 pub use error::CaseError;
 pub use notices::Notices;
 pub use run::{End, Event, Run, StepEvent};
+pub use tensile::Tensile;

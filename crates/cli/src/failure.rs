@@ -1,7 +1,7 @@
 //! Why a command did not do what it was asked, and the exit code of each reason.
 
 use granflow_case::CaseError;
-use granflow_case::store::StoreError;
+use granflow_case::store::{LockError, StoreError};
 use std::io;
 
 /// Why a command stopped.
@@ -45,6 +45,11 @@ impl From<CaseError> for Failure {
 }
 impl From<StoreError> for Failure {
     fn from(e: StoreError) -> Self {
+        Failure::Case(e.into())
+    }
+}
+impl From<LockError> for Failure {
+    fn from(e: LockError) -> Self {
         Failure::Case(e.into())
     }
 }

@@ -9,6 +9,7 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use granflow_case::{CaseError, Notices};
 use granflow_dict::Sink;
+use granflow_flow::StepError;
 use std::ffi::OsString;
 
 /// What every command works with.
@@ -52,6 +53,14 @@ pub(crate) fn run(args: impl IntoIterator<Item = OsString>) -> i32 {
     };
     finish(session, outcome)
 }
+
+/// What to do when somebody else changes the case.
+const BUSY_HELP: &str = "  = help: wait until it has ended, stop it (it writes its state first), or \
+                         run a copy of the case";
+
+/// What to do when grains are asked for more stress than they carry.
+const BEYOND_HELP: &str = "  = help: lower the wall speed or the force that drives the flow, raise \
+                           the pressure, or look at mu2; `granflow run --from latest` goes on";
 
 /// What to do when the computation failed.
 const STEP_HELP: &str = "  = help: shorten deltaT (or write `adjustTimeStep yes; maxCo 0.5;`), look at \
@@ -128,8 +137,12 @@ fn finish(mut session: Session, outcome: Result<(), Failure>) -> i32 {
             match &failure {
                 Failure::Case(e) => {
                     complain(&format!("error: {e}"));
-                    if let CaseError::Step { .. } = e {
-                        complain(STEP_HELP);
+                    if let CaseError::Busy { .. } = e {
+                        complain(BUSY_HELP);
+                    }
+                    if let CaseError::Step { source, .. } = e {
+                        let beyond = matches!(source, StepError::Beyond { .. });
+                        complain(if beyond { BEYOND_HELP } else { STEP_HELP });
                     }
                 }
                 Failure::Output(e) => complain(&format!("error: cannot write the output: {e}")),

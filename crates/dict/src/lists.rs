@@ -251,7 +251,14 @@ fn labels(b: &[u8], mut i: usize) -> Read<Vec<i64>> {
 }
 
 fn scalar_at(b: &[u8], i: usize) -> Read<f64> {
-    match scan::number(b, i).map(|(x, end, _)| (x, end)).or_else(|| scan::not_finite(b, i)) {
+    match scan::number(b, i) {
+        Some((x, _, _)) if x.is_infinite() => {
+            return fail(i, "this number is out of range", "its magnitude exceeds 1.8e308");
+        }
+        Some((x, end, _)) => return Ok((x, end)),
+        None => {}
+    }
+    match scan::not_finite(b, i) {
         Some(r) => Ok(r),
         None if i >= b.len() => unclosed(b),
         None => fail(i, "a number is needed in this list", "not a number"),

@@ -59,8 +59,8 @@ impl Flow {
             if numerics.outer == 1 {
                 let tolerance = if last { &solve.last } else { &solve.tolerance };
                 let (a, b, u) = (&w.u_eqn.a, &w.b, &mut state.u.cells.data);
-                let solved =
-                    crate::settle(solve.solver.solve(exec, a, b, u, tolerance)).map_err(failed)?;
+                let result = solve.solver.solve(exec, a, b, u, tolerance);
+                let solved = crate::settle(result, &mut w.solves[0]).map_err(failed)?;
                 self.update_conditions();
                 return Ok(solved);
             }
@@ -119,7 +119,8 @@ impl Flow {
             z.fill([0.0; 3]);
             let tolerance = &numerics.u.tolerance;
             let solver = &mut numerics.u.solver;
-            let solved = crate::settle(solver.solve(exec, &w.u_eqn.a, &basis[j], z, tolerance))?;
+            let result = solver.solve(exec, &w.u_eqn.a, &basis[j], z, tolerance);
+            let solved = crate::settle(result, &mut w.solves[0])?;
             iterations += solved.iterations;
             // w = A z - div(eta (grad z)^T)
             if whole {
