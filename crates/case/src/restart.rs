@@ -199,8 +199,19 @@ pub fn start_dir(
             let message = format!("the case has no time {wanted}");
             let times = if names.len() == 1 { "its only time is" } else { "it has the times" };
             let times = format!("{times} {}", names.join(", "));
+            let near = name_of(path).unwrap_or_default();
+            let mut help = format!(
+                "{times}; `startTime {near};` starts from {near} at {near} s, and with a copy, \
+                 `cp -r {near} {}`, its fields are the start at {} s",
+                TimeName::default().of(wanted),
+                number(wanted),
+            );
+            if files::exists(root, "system/mapFieldsDict") {
+                help += "; OpenFOAM's tutorial fills that time from another case with mapFields, \
+                         which granflow does not have";
+            }
             sink.push(match said {
-                Some(at) => Diag::error(at, message).label("asked for here").help(times),
+                Some(at) => Diag::error(at, message).label("asked for here").help(help),
                 None => Diag::file("", format!("--from {wanted}: {message}; {times}")),
             });
             return Err(CaseError::Invalid);

@@ -6,6 +6,7 @@ use crate::functions::schedule::{Moment, passes};
 use crate::jsonl::{Log, SolveRecord, StepRecord};
 use crate::output::Tables;
 use crate::store::{CaseLock, TimeName, clean_stale, list_times, purge};
+use crate::superseded::{SetAside, set_aside};
 use crate::worker::{Answer, Crew, Order, Sheets};
 use crate::{Case, CaseError, Notices, Options, Tensile, figures, init, meshing, output};
 use granflow_base::Stopwatch;
@@ -70,6 +71,7 @@ pub struct Run {
     n_written: usize,
     /// Held by runs that were loaded here.
     lock: Option<CaseLock>,
+    set_aside: Option<SetAside>,
     /// Wall-clock seconds per second of the flow, averaged over the latest steps.
     pace: Option<f64>,
 }
@@ -124,6 +126,8 @@ impl Run {
         let control = &case.config.control;
         let began = case.start.time;
         let fresh = case.start.step == 0;
+        let computes = case.end > began + 0.5 * control.dt;
+        let set_aside = if computes { set_aside(&case.root, began, fresh)? } else { None };
         let mut log = if fresh { Log::create(&case.root)? } else { Log::append(&case.root)? };
         let event = json!({
             "time": began, "end": case.end, "cells": case.poly.n_cells(),
@@ -145,6 +149,7 @@ impl Run {
             last_written: (case.start.dir.clone(), began),
             n_written: 0,
             lock: None,
+            set_aside,
             pace: None,
             crew,
             log,
@@ -163,6 +168,10 @@ impl Run {
     /// The present time, s.
     pub fn time(&self) -> f64 {
         self.flow().state.time
+    }
+    /// What an earlier run had written behind the start of this one, which was set aside.
+    pub fn set_aside(&self) -> Option<&SetAside> {
+        self.set_aside.as_ref()
     }
     /// The time to reach, s.
     pub fn end_time(&self) -> f64 {

@@ -9,7 +9,7 @@ use crate::{Case, Options};
 use granflow_base::Vec3;
 use granflow_flow::{Flow, Report, StepError};
 use granflow_mesh::Mesh;
-use granflow_par::{Exec, InProcess};
+use granflow_par::{Comm, Exec, InProcess};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::thread::JoinHandle;
@@ -316,10 +316,10 @@ impl Crew {
         case: Arc<Case>,
         options: &Options,
     ) -> Result<Crew, granflow_mesh::MeshError> {
-        let (threads, stop) = (options.threads, &options.stop);
+        let stop = &options.stop;
         let ranks = options.ranks.clamp(1, case.mesh.n_cells.max(1));
         if ranks == 1 {
-            let exec = Exec::new(threads, Box::new(granflow_par::Solo));
+            let exec = exec(options, Box::new(granflow_par::Solo));
             let mesh = case.mesh.clone();
             return Ok(Crew {
                 worker: Worker::new(case, exec, mesh, stop.clone()),
@@ -335,14 +335,24 @@ impl Crew {
                 continue;
             }
             let (case, stop) = (case.clone(), stop.clone());
+            let options = options.clone();
             others.push(std::thread::spawn(move || {
-                let exec = Exec::new(threads, Box::new(comm));
+                let exec = exec(&options, Box::new(comm));
                 Worker::new(case, exec, Arc::new(mesh), stop).serve();
             }));
         }
         let (comm, mesh) = first.expect("at least one rank");
-        let exec = Exec::new(threads, Box::new(comm));
+        let exec = exec(options, Box::new(comm));
         Ok(Crew { worker: Worker::new(case, exec, Arc::new(mesh), stop.clone()), others })
+    }
+}
+
+/// The threads of a rank.
+fn exec(options: &Options, comm: Box<dyn Comm>) -> Exec {
+    let exec = Exec::new(options.threads, comm);
+    match options.share {
+        Some(least) => exec.sharing_from(least),
+        None => exec,
     }
 }
 

@@ -26,11 +26,7 @@ pub(crate) struct Session {
 
 /// Runs the program; returns its exit code.
 pub(crate) fn run(args: impl IntoIterator<Item = OsString>) -> i32 {
-    let words: Vec<OsString> = args.into_iter().collect();
-    if let Some(failure) = not_there_yet(&words) {
-        return finish(Session::new(false), Err(failure));
-    }
-    let args = match Args::try_parse_from(words) {
+    let args = match Args::try_parse_from(args) {
         Ok(args) => args,
         Err(e) => {
             // Help and version end up here too; a closed pipe is no error.
@@ -50,6 +46,8 @@ pub(crate) fn run(args: impl IntoIterator<Item = OsString>) -> i32 {
         Command::New(a) => commands::new::command(&mut session, a),
         Command::List(a) => commands::list::command(&mut session, a),
         Command::Plot(a) => commands::plot::command(&mut session, a),
+        Command::Export(a) => commands::export::command(&mut session, a),
+        Command::Validate(a) => commands::validate::command(&mut session, a),
     };
     finish(session, outcome)
 }
@@ -65,19 +63,6 @@ const BEYOND_HELP: &str = "  = help: lower the wall speed or the force that driv
 /// What to do when the computation failed.
 const STEP_HELP: &str = "  = help: shorten deltaT (or write `adjustTimeStep yes; maxCo 0.5;`), look at \
                          the boundary conditions, then `granflow run --from latest` goes on";
-
-/// Commands of the interface that a later version has.
-const LATER: &[(&str, &str)] = &[
-    ("export", "ParaView reads the case as it is: `touch case.foam`, then open that file"),
-    ("validate", "run a case of `granflow list cases` and compare with the reference beside it"),
-];
-
-fn not_there_yet(words: &[OsString]) -> Option<Failure> {
-    let command = words.iter().skip(1).filter_map(|w| w.to_str()).find(|w| !w.starts_with('-'))?;
-    let (name, help) = LATER.iter().find(|(name, _)| *name == command)?;
-    let version = env!("CARGO_PKG_VERSION");
-    Some(Failure::refused(format!("`granflow {name}` is not there yet (version {version})"), *help))
-}
 
 impl Session {
     fn new(quiet: bool) -> Session {
@@ -145,6 +130,11 @@ fn finish(mut session: Session, outcome: Result<(), Failure>) -> i32 {
                         complain(if beyond { BEYOND_HELP } else { STEP_HELP });
                     }
                 }
+                Failure::Validation { failed, of } => {
+                    let of = count(*of, "check");
+                    complain(&format!("error: {failed} of {of} did not come out as expected"));
+                }
+                Failure::Scratch(e) => complain(&format!("error: cannot use scratch files: {e}")),
                 Failure::Output(e) => complain(&format!("error: cannot write the output: {e}")),
                 Failure::Signal(_) | Failure::Refused { .. } => {}
             }

@@ -54,6 +54,10 @@ bad! {
     include_missing: cavity().edit(CONTROL, "application ", "#include \"settings\"\napplication ");
     code_stream: cavity().edit(CONTROL, "endTime         0.1;", "endTime #codeStream { code #{ os << 1; #}; };");
     empty_file: cavity().write(CONTROL, "");
+    include_etc_of_another_file: cavity().edit("0/U", "boundaryField\n{", "boundaryField\n{\n    #includeEtc \"caseDicts/general/bc\"")
+        .edit("0/U", "    sides\n    {\n        type        empty;\n    }\n", "")
+        .edit("0/U", "    walls\n    {\n        type        noSlip;\n    }\n", "");
+    number_out_of_range: cavity().edit(CONTROL, "endTime         0.1;", "endTime         1e400;");
 }
 
 // ---- controlDict

@@ -204,6 +204,106 @@ fn the_second_signal_stops_at_once() {
 }
 
 #[test]
+fn a_signal_ends_a_step_that_would_never_end() {
+    // The residuals asked for are below rounding, so the outer iterations go on for ever.
+    let case = ring().edit(
+        "system/fvSolution",
+        "    pRefCell    0;",
+        "    nOuterCorrectors 100000000;\n    residualControl { U 0; p 0; viscosity 1e-300; }\n    pRefCell    0;",
+    );
+    let (mut child, _lines) = start(&case, "8 cells");
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    signal(&child, "-TERM");
+    let asked = std::time::Instant::now();
+    assert_eq!(child.wait().unwrap().code(), Some(143));
+    assert!(asked.elapsed().as_secs() < 20, "{:?}", asked.elapsed());
+    assert_eq!(times(&case), [0.0], "no step was whole");
+    let log = case.read("log.jsonl");
+    assert!(log.lines().last().unwrap().contains("\"reason\":\"stopped\""), "{log}");
+}
+
+#[test]
+fn one_run_a_case_at_a_time() {
+    let case = cavity().edit("system/controlDict", "endTime         0.1;", "endTime 1e9;");
+    let (mut child, _lines) = start(&case, "step 1 ");
+    for command in ["run", "mesh"] {
+        let out = case.run(&[command]);
+        let said = text(&out.stderr);
+        assert_eq!(out.status.code(), Some(2), "{said}");
+        let who = format!("the case is in use by granflow (process {})", child.id());
+        assert!(said.contains(&who) && said.contains(".granflow.lock"), "{said}");
+    }
+    assert_eq!(case.run(&["check"]).status.code(), Some(0), "reading is free");
+    // Killed, it cannot take its lock away; that is in nobody's way.
+    signal(&child, "-KILL");
+    child.wait().unwrap();
+    assert!(case.path().join(".granflow.lock").is_file());
+    let out = case.run(&["run", "--from", "0", "--until", "0.01"]);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    assert!(!case.path().join(".granflow.lock").exists());
+}
+
+#[test]
+fn grains_that_are_pulled_apart_are_said_once() {
+    let case = ring().edit("system/fvSolution", "pRefValue   75;", "pRefValue   -5;");
+    let out = case.run(&["run"]);
+    let said = text(&out.stderr);
+    let sign = "warning: the pressure is not positive in 8 cells at t 0.1 s, the least -5";
+    assert_eq!(said.matches("not positive").count(), 1, "{said}");
+    assert!(said.contains(sign) && said.contains(" in cell "), "{said}");
+    assert!(said.contains("= help: likely the pressure given at a boundary or by pRefValue"));
+    assert!(case.read("log.jsonl").contains("\"message\":\"the pressure is not positive\""));
+}
+
+#[test]
+fn systems_that_were_not_solved_are_counted() {
+    let case = cavity().edit(
+        "system/fvSolution",
+        "tolerance       1e-08;\n        relTol          0.01;",
+        "tolerance 1e-08; relTol 0.01; maxIter 2;",
+    );
+    let out = case.run(&["run"]);
+    let said = text(&out.stdout);
+    assert_eq!(out.status.code(), Some(0), "{said}");
+    let line = said.lines().find(|l| l.starts_with("warning: p: ")).unwrap_or("");
+    assert!(line.contains(" of 40 solves ended unconverged; raise maxIter or use GAMG"), "{said}");
+    let tail = said.lines().find(|l| l.contains("step 1 ")).unwrap_or("");
+    assert!(tail.ends_with("solves unconverged"), "{tail}");
+    let log = case.read("log.jsonl");
+    let step = log.lines().nth(1).and_then(|l| serde_json::from_str(l).ok());
+    let step: serde_json::Value = step.unwrap();
+    assert!(step["solves"][1]["unconverged"].as_u64().is_some_and(|n| n > 0), "{step}");
+    assert_eq!(step["solves"][0]["unconverged"], 0, "{step}");
+}
+
+#[test]
+fn friction_that_is_used_up_is_the_reason_given() {
+    // At 20 m/s grains fly: mu(I) has come to mu2.
+    let case = ring().edit("0.orig/U", "omega   0.2;", "omega   400;");
+    let out = case.run(&["run"]);
+    let said = text(&out.stderr);
+    assert_eq!(out.status.code(), Some(3), "{said}\n{}", text(&out.stdout));
+    let sign = "error: the friction of the grains is used up at time 0.1: mu = 0.6";
+    assert!(said.contains(sign) && said.contains(" in cell 0 at ("), "{said}");
+    assert!(said.contains("and mu_2 = 0.6435 is all they have"), "{said}");
+    assert!(said.contains("= help: lower the wall speed"), "{said}");
+}
+
+#[test]
+fn the_constraint_types_of_openfoam_are_known() {
+    let include = "#includeEtc \"caseDicts/setConstraintTypes\"";
+    let case = ring()
+        .edit(
+            "0.orig/U",
+            "    minus   { type wedge; }\n    plus    { type wedge; }\n",
+            &format!("    {include}\n"),
+        )
+        .edit("0.orig/p", "    \"(minus|plus)\" { type wedge; }\n", &format!("    {include}\n"));
+    let out = case.run(&["run", "--until", "0.1"]);
+    assert_eq!((out.status.code(), text(&out.stderr)), (Some(0), String::new()));
+}
+
+#[test]
 fn a_reader_that_leaves_is_no_error() {
     let mut child =
         granflow(&["list"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();

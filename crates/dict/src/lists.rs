@@ -1,6 +1,6 @@
 //! Lists that are too long for tokens: typed, ascii or binary, read in one pass.
 
-use crate::scan;
+use crate::scan::{self, OUT_OF_RANGE, TOO_LARGE};
 use crate::tree::{Entry, Token};
 use granflow_base::{Tensor, Vec3};
 
@@ -251,14 +251,9 @@ fn labels(b: &[u8], mut i: usize) -> Read<Vec<i64>> {
 }
 
 fn scalar_at(b: &[u8], i: usize) -> Read<f64> {
-    match scan::number(b, i) {
-        Some((x, _, _)) if x.is_infinite() => {
-            return fail(i, "this number is out of range", "its magnitude exceeds 1.8e308");
-        }
-        Some((x, end, _)) => return Ok((x, end)),
-        None => {}
-    }
-    match scan::not_finite(b, i) {
+    let written = scan::number(b, i).map(|(x, end, _)| (x, end));
+    match written.or_else(|| scan::not_finite(b, i)) {
+        Some((x, _)) if written.is_some() && x.is_infinite() => fail(i, OUT_OF_RANGE, TOO_LARGE),
         Some(r) => Ok(r),
         None if i >= b.len() => unclosed(b),
         None => fail(i, "a number is needed in this list", "not a number"),

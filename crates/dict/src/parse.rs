@@ -357,8 +357,7 @@ impl<'f> Parser<'f> {
         if x.is_finite() {
             return x;
         }
-        let d = Diag::error(span, format!("the number {} is out of range", span.text()));
-        self.push(d.label("its magnitude exceeds 1.8e308"));
+        self.push(Diag::error(span, scan::OUT_OF_RANGE).label(scan::TOO_LARGE));
         f64::NAN
     }
     fn missing_semicolon(&mut self, key: &Key, last: &Span, next: Option<&str>) {

@@ -266,6 +266,21 @@ fn what_granflow_refuses_it_refuses_by_name() {
 }
 
 #[test]
+fn numbers_that_no_double_holds_are_refused_where_they_stand() {
+    assert_snapshot!(parsed("a 1e400;\nb (1 -1e309 2);\nc List<scalar> 2(0 1e999);\nd 1e-400;\n"), @"");
+}
+
+#[test]
+fn what_a_refused_include_would_have_given_is_not_missed() {
+    let read = |r: &Reader<'_>| {
+        r.scalar("relTol", Dims::NONE);
+        r.scalar("tolerance", Dims::NONE);
+    };
+    let text = "#includeEtc \"caseDicts/solvers\"\ntolerance $fromThere;\n";
+    assert_snapshot!(findings(text, read), @"");
+}
+
+#[test]
 fn included_files_are_named() {
     assert_snapshot!(parsed("#include \"nothing\"\n#include \"loop\"\n#include \"bad\"\n"), @r##"
     error: these dimensions are not closed

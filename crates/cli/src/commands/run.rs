@@ -10,7 +10,7 @@ use crate::signals::Signals;
 use crate::tally::{Tally, pulled_apart};
 use crate::text::{count, rounded, shown};
 use granflow_case::store::{CaseLock, Stale, clean_stale};
-use granflow_case::{Case, End, Event, From, Options, Run};
+use granflow_case::{Case, End, Event, From, Options, Run, SetAside};
 use granflow_mesh::check::check;
 use std::time::Instant;
 
@@ -29,6 +29,7 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
             Start::Time(t) => From::Time(t),
         }),
         until: args.until,
+        share: args.share,
         stop: signals.stop(),
         ..Options::default()
     };
@@ -50,6 +51,9 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
         }
     }
     let mut run = Run::start(case, &options, &session.sink)?;
+    if let Some(old) = run.set_aside() {
+        session.notices.say(set_aside(old));
+    }
     session.speak_up();
     introduce(session, run.case(), initialised, options.threads);
 
@@ -117,4 +121,18 @@ fn introduce(session: &mut Session, case: &Case, initialised: bool, threads: usi
     let (from, to) = (rounded(case.start.time, 6), rounded(case.end, 6));
     let threads = count(threads, "thread");
     session.out.say(&format!("{cells}, {model}, t {from} to {to} s, {threads}{made}"));
+}
+
+/// What to say of an earlier run's times.
+fn set_aside(old: &SetAside) -> String {
+    let (first, last) = (old.times.first(), old.times.last());
+    let which = match (first, last, old.times.len()) {
+        (Some(first), _, 1) => format!("the time {first} of an earlier run lies"),
+        (Some(first), Some(last), n) => {
+            format!("the {n} times {first} to {last} of an earlier run lie")
+        }
+        _ => String::new(),
+    };
+    let dir = shown(&old.dir);
+    format!("{which} behind the start of this one: set aside in {dir}, to keep or to remove")
 }
