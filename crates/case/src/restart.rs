@@ -200,15 +200,15 @@ pub fn start_dir(
             let times = if names.len() == 1 { "its only time is" } else { "it has the times" };
             let times = format!("{times} {}", names.join(", "));
             let near = name_of(path).unwrap_or_default();
+            let copy = TimeName::default().of(wanted);
             let mut help = format!(
-                "{times}; `startTime {near};` starts from {near} at {near} s, and with a copy, \
-                 `cp -r {near} {}`, its fields are the start at {} s",
-                TimeName::default().of(wanted),
+                "{times}: write `startTime {near};` to start there, or start at {} s from its \
+                 fields: `cp -r {near} {copy}`",
                 number(wanted),
             );
             if files::exists(root, "system/mapFieldsDict") {
-                help += "; OpenFOAM's tutorial fills that time from another case with mapFields, \
-                         which granflow does not have";
+                help += " (system/mapFieldsDict: OpenFOAM's mapFields would fill that time from another \
+                         case; granflow has no such tool)";
             }
             sink.push(match said {
                 Some(at) => Diag::error(at, message).label("asked for here").help(help),

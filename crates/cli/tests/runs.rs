@@ -209,7 +209,7 @@ fn a_signal_ends_a_step_that_would_never_end() {
     let case = ring().edit(
         "system/fvSolution",
         "    pRefCell    0;",
-        "    nOuterCorrectors 100000000;\n    residualControl { U 0; p 0; viscosity 1e-300; }\n    pRefCell    0;",
+        "    nOuterCorrectors 100000000;\n    residualControl { U 1e-300; p 1e-300; viscosity 1e-300; }\n    pRefCell    0;",
     );
     let (mut child, _lines) = start(&case, "8 cells");
     std::thread::sleep(std::time::Duration::from_millis(300));
@@ -301,6 +301,76 @@ fn the_constraint_types_of_openfoam_are_known() {
         .edit("0.orig/p", "    \"(minus|plus)\" { type wedge; }\n", &format!("    {include}\n"));
     let out = case.run(&["run", "--until", "0.1"]);
     assert_eq!((out.status.code(), text(&out.stderr)), (Some(0), String::new()));
+}
+
+#[test]
+fn what_an_earlier_run_wrote_behind_the_start_is_set_aside() {
+    let case = ring();
+    assert_eq!(case.run(&["run"]).status.code(), Some(0));
+    let (old, log) = (case.read("0.3/U"), case.read("log.jsonl"));
+    let out = case.run(&["run", "--from", "0", "--until", "0.1"]);
+    let said = text(&out.stdout);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    assert!(
+        said.contains(
+            "note: the 3 times 0.1 to 0.3 of an earlier run lie behind the start of this one: set \
+             aside in superseded/1, to keep or to remove"
+        ),
+        "{said}"
+    );
+    assert_eq!(times(&case), [0.0, 0.1], "the latest time is this run's");
+    assert_eq!(case.read("superseded/1/0.3/U"), old, "nothing is lost");
+    assert_eq!(case.read("superseded/1/log.jsonl"), log);
+    assert!(case.path().join("superseded/1/postProcessing/profile/0.3").is_dir());
+    assert!(!case.path().join("postProcessing/profile/0.3").exists());
+    let out = case.run(&["run", "--from", "latest", "--until", "0.2"]);
+    assert!(!text(&out.stdout).contains("superseded"), "{out:?}");
+    let out = case.run(&["run", "--from", "0.1", "--until", "0.2"]);
+    assert!(text(&out.stdout).contains("the time 0.2 of an earlier run lies"), "{out:?}");
+    assert_eq!(case.read("0.2/U"), case.read("superseded/2/0.2/U"), "and it is the same again");
+}
+
+#[test]
+fn data_that_figures_lack_are_said_once() {
+    let curve =
+        "{ file \"postProcessing/profile/<time>/radius_U_fluidity.xy\"; x col1; y col2; time ";
+    let curves = format!("{curve} (0.1 0.5 0.6); }} {curve} 0.7; }} {curve} 0.5; }}");
+    let case =
+        ring().write("system/plotDict", &format!("figures {{ a {{ curves ( {curves} ); }} }}"));
+    let out = case.run(&["run"]);
+    let said = text(&out.stderr);
+    assert_eq!(out.status.code(), Some(0), "{said}");
+    assert_eq!(said.matches("warning").count(), 1, "{said}");
+    assert!(said.contains("no data for the times 0.5, 0.6, 0.7 in postProcessing/profile/"));
+    assert!(said.contains("4 curves are left out"), "{said}");
+}
+
+#[test]
+fn a_run_can_be_exported() {
+    let case = ring();
+    assert_eq!(case.run(&["run"]).status.code(), Some(0));
+    let out = case.run(&["export"]);
+    let fields = "U, p, fluidity, inertialNumber, strainRate, stressRatio, viscosity";
+    let said = format!("VTK/case.pvd: 4 times of {fields}\n");
+    assert_eq!((out.status.code(), text(&out.stdout)), (Some(0), said));
+    assert!(case.path().join("VTK/0.3.vtu").is_file());
+    assert_eq!(case.read("VTK/case.pvd").matches("<DataSet ").count(), 4);
+}
+
+#[test]
+fn a_case_is_validated_and_reported_on() {
+    let here = tempfile::tempdir().unwrap();
+    let out = granflow(&["validate", "bagnold", "-o", "out"]).current_dir(here.path()).output();
+    let out = out.unwrap();
+    let said = text(&out.stdout);
+    assert_eq!(out.status.code(), Some(0), "{said}{}", text(&out.stderr));
+    let lines: Vec<&str> = said.lines().collect();
+    assert!(lines[1].starts_with("bagnold ") && lines[1].ends_with(" pass"), "{said}");
+    assert_eq!(lines.last(), Some(&"report  out/report.md"));
+    let report = fs::read_to_string(here.path().join("out/report.md")).unwrap();
+    assert!(report.contains("## bagnold") && report.contains("| pass |"), "{report}");
+    assert!(here.path().join("out/bagnold_velocity.png").is_file());
+    assert_eq!(fs::read_dir(here.path()).unwrap().count(), 1, "the scratch is elsewhere");
 }
 
 #[test]

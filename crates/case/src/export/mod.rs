@@ -4,7 +4,7 @@
 mod cells;
 mod vtu;
 
-use crate::store::{DirWriter, Operation, StoreError, TimeName, list_times};
+use crate::store::{DirWriter, Operation, StoreError, list_times};
 use crate::{CaseError, files, meshing};
 use granflow_base::{Tensor, Value, Vec3};
 use granflow_dict::{Diag, Dict, Reader, Sink};
@@ -64,11 +64,8 @@ pub fn export(root: &Path, sink: &Sink) -> Result<Exported, CaseError> {
                 out.fields.push(a.name.clone());
             }
         }
-        // The clock knows the time to the last bit, the name may be rounded.
-        let exact = crate::restart::Clock::read(root, &name, sink)?.time;
-        let time = if TimeName::parse(&name).is_some() { exact } else { *time };
-        dir.file_plain(format!("{name}.vtu"), &vtu::file(&grid, time, &arrays))?;
-        listed.push((time, format!("{name}.vtu")));
+        dir.file_plain(format!("{name}.vtu"), &vtu::file(&grid, *time, &arrays))?;
+        listed.push((*time, format!("{name}.vtu")));
         out.times.push(name);
     }
     dir.file_plain("case.pvd", vtu::collection(&listed).as_bytes())?;
