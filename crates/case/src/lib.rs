@@ -9,6 +9,7 @@ mod case;
 mod collect;
 pub mod config;
 mod error;
+pub mod expect;
 pub mod export;
 pub mod fields;
 pub mod figures;

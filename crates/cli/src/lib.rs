@@ -16,7 +16,6 @@ pub mod args;
 mod catalogue;
 mod commands;
 mod estimate;
-pub mod expect;
 mod failure;
 mod output;
 mod progress;

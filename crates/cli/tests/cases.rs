@@ -4,7 +4,7 @@
 
 #![allow(clippy::print_stdout, reason = "tests print what they measured")]
 
-use granflow_cli::expect::judge;
+use granflow_case::expect::judge;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

@@ -2,11 +2,11 @@
 
 use crate::args::Validate;
 use crate::catalogue::{self, Builtin};
-use crate::expect::{Quantity, judge};
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::signals::Signals;
 use crate::text::{duration, number, residual, rounded, shown};
+use granflow_case::expect::{Quantity, judge};
 use granflow_case::store::DirWriter;
 use granflow_case::{CaseError, End, Event, Notices, Options, Run};
 use granflow_dict::{Sink, nearest};

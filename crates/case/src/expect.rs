@@ -23,8 +23,8 @@
 //! source    = "..."
 //! ```
 
-use granflow_case::figures::expression::evaluate;
-use granflow_case::figures::table::Table;
+use crate::figures::expression::evaluate;
+use crate::figures::table::Table;
 use std::path::Path;
 
 /// One quantity of a run beside what it should be.
