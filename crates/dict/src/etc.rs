@@ -38,7 +38,7 @@ impl Parser<'_> {
         let name = name.strip_prefix("<etc>").unwrap_or(&name).trim_start_matches('/');
         if name == CONSTRAINTS {
             let entry = |t: &&str| format!("{t} {{ type {t}; }}\n");
-            let text: String = CONSTRAINT_TYPES.iter().map(|t| entry(&t)).collect();
+            let text: String = CONSTRAINT_TYPES.iter().map(entry).collect();
             let src = Source::new(format!("etc/{CONSTRAINTS} (built in)"), text.into_bytes());
             self.entries(&mut Cursor::new(&src), None);
             return;
