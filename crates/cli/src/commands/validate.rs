@@ -150,7 +150,7 @@ fn words(q: &Quantity) -> [String; 3] {
 
 fn row(cells: [&str; 5]) -> String {
     let [case, what, expected, found, verdict] = cells;
-    format!("{case:<28}{what:<44}{expected:<24}{found:<12}{verdict}").trim_end().to_owned()
+    format!("{case:<27} {what:<43} {expected:<23} {found:<11} {verdict}").trim_end().to_owned()
 }
 
 fn table(o: &Outcome) -> Vec<String> {
