@@ -9,8 +9,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 fn main() -> io::Result<()> {
-    // Files are watched one by one: a directory would be watched with everything a run writes to
-    // it, and each run in the repository would compile the program anew.
+    // The folders of input are watched whole, so that a new file in them is noticed; the case's
+    // own folder is not: each run in the repository would compile the program anew.
     println!("cargo:rerun-if-changed=build.rs");
     let root = PathBuf::from(env("CARGO_MANIFEST_DIR")?).join("../../cases");
     let mut table = String::from("&[\n");
@@ -18,6 +18,11 @@ fn main() -> io::Result<()> {
         let case = root.join(&name);
         if !case.join("system/controlDict").is_file() {
             continue;
+        }
+        for input in ["system", "constant", "0.orig", "reference"].map(|d| case.join(d)) {
+            if input.is_dir() {
+                println!("cargo:rerun-if-changed={}", fs::canonicalize(input)?.display());
+            }
         }
         let mut files = Vec::new();
         collect(&case, "", &mut files)?;
@@ -73,7 +78,7 @@ fn made_by_a_run(case: &Path, rel: &str, name: &str) -> bool {
     let top = !rel.contains('/');
     let has = |file: &str| case.join(file).exists();
     name.starts_with('.')
-        || (top && matches!(name, "postProcessing" | "log.jsonl"))
+        || (top && matches!(name, "postProcessing" | "log.jsonl" | "superseded"))
         || (top && name == "0" && has("0.orig"))
         || (top && name != "0" && name.parse::<f64>().is_ok())
         || (rel == "constant/polyMesh" && has("system/blockMeshDict"))

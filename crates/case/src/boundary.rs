@@ -4,7 +4,9 @@
 //! one in the file wins), then a pattern (again the last one).
 
 use granflow_base::Vec3;
-use granflow_dict::{Dict, Entry, Key, Payload, Reader, Sink, Tok, Token, Value, nearest};
+use granflow_dict::{
+    CONSTRAINT_TYPES, Dict, Entry, Key, Payload, Reader, Sink, Tok, Token, Value, nearest,
+};
 use granflow_fv::conditions::{PatchContext, read_scalar, read_vector};
 use granflow_fv::{Condition, Differentiable};
 use granflow_mesh::{Mesh, PatchKind, PolyMesh, PolyPatch};
@@ -98,6 +100,9 @@ fn implied_groups(patch: &PolyPatch) -> Vec<String> {
 }
 
 fn missing(r: &Reader<'_>, field: &str, patch: &PolyPatch, poly: &PolyMesh) {
+    if r.dict().incomplete {
+        return;
+    }
     let names: Vec<&str> = poly.patches.iter().map(|p| p.name.as_str()).collect();
     let strangers = r.keys().into_iter().filter(|k| !names.contains(k));
     let help = match nearest(&patch.name, strangers) {
@@ -125,8 +130,8 @@ fn unknown(r: &Reader<'_>, field: &str, poly: &PolyMesh) {
             r.ignore(w);
             continue;
         }
-        // Keys of a decomposed case.
-        if w.starts_with("procBoundary") {
+        // Keys of a decomposed case, and groups that no patch of this mesh belongs to.
+        if w.starts_with("procBoundary") || CONSTRAINT_TYPES.contains(&w.as_str()) {
             r.ignore(w);
             continue;
         }

@@ -29,6 +29,8 @@ pub struct Options {
     pub threads: usize,
     /// Ranks within this process.
     pub ranks: usize,
+    /// Least number of entries of a loop that threads share, in place of what is worthwhile.
+    pub share: Option<usize>,
     /// In place of `startFrom`.
     pub from: Option<From>,
     /// In place of `endTime`, s.
@@ -39,7 +41,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { threads: 1, ranks: 1, from: None, until: None, stop: Arc::default() }
+        Options { threads: 1, ranks: 1, share: None, from: None, until: None, stop: Arc::default() }
     }
 }
 

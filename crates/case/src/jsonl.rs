@@ -15,7 +15,7 @@ use crate::store::{Operation, StoreError};
 /// The name of the log in the case directory.
 pub const LOG_NAME: &str = "log.jsonl";
 
-/// One linear solve.
+/// The linear solves of one field in a step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SolveRecord<'a> {
     /// The field solved for.
@@ -26,6 +26,8 @@ pub struct SolveRecord<'a> {
     pub first: f64,
     /// Normalised residual after.
     pub last: f64,
+    /// Solves of the step that ran out of iterations.
+    pub unconverged: usize,
 }
 
 /// What happened in one time step or one iteration of a steady solver.
@@ -41,7 +43,7 @@ pub struct StepRecord<'a> {
     pub outer: usize,
     /// Residual of each equation at the end of the step.
     pub residuals: &'a [(&'a str, f64)],
-    /// Every linear solve in order.
+    /// The linear solves, a field each.
     pub solves: &'a [SolveRecord<'a>],
     /// Wall-clock time since the start of the run, s.
     pub wall: f64,
@@ -158,6 +160,7 @@ fn solve(s: &SolveRecord<'_>) -> Value {
         "iterations": s.iterations,
         "first": number(s.first),
         "last": number(s.last),
+        "unconverged": s.unconverged,
     })
 }
 
@@ -201,7 +204,13 @@ mod tests {
             dt: 1e-3,
             outer: 2,
             residuals: &[("U", 1e-5), ("p", f64::NAN)],
-            solves: &[SolveRecord { field: "p", iterations: 12, first: 0.1, last: 1e-7 }],
+            solves: &[SolveRecord {
+                field: "p",
+                iterations: 12,
+                first: 0.1,
+                last: 1e-7,
+                unconverged: 1,
+            }],
             wall: 1.25,
         }
     }
@@ -219,7 +228,9 @@ mod tests {
         let expected = serde_json::json!({
             "time": 0.5, "step": 7, "dt": 1e-3, "outer": 2,
             "residuals": {"U": 1e-5, "p": "nan"},
-            "solves": [{"field": "p", "iterations": 12, "first": 0.1, "last": 1e-7}],
+            "solves": [
+                {"field": "p", "iterations": 12, "first": 0.1, "last": 1e-7, "unconverged": 1}
+            ],
             "wall": 1.25,
         });
         assert_eq!(lines(case.path()), [expected]);

@@ -205,8 +205,19 @@ pub fn start_dir(
             let message = format!("the case has no time {wanted}");
             let times = if names.len() == 1 { "its only time is" } else { "it has the times" };
             let times = format!("{times} {}", names.join(", "));
+            let near = name_of(path).unwrap_or_default();
+            let copy = TimeName::default().of(wanted);
+            let mut help = format!(
+                "{times}: write `startTime {near};` to start there, or start at {} s from its \
+                 fields: `cp -r {near} {copy}`",
+                number(wanted),
+            );
+            if files::exists(root, "system/mapFieldsDict") {
+                help += " (system/mapFieldsDict: OpenFOAM's mapFields would fill that time from another \
+                         case; granflow has no such tool)";
+            }
             sink.push(match said {
-                Some(at) => Diag::error(at, message).label("asked for here").help(times),
+                Some(at) => Diag::error(at, message).label("asked for here").help(help),
                 None => Diag::file("", format!("--from {wanted}: {message}; {times}")),
             });
             return Err(CaseError::Invalid);

@@ -5,9 +5,10 @@ use crate::functions::Written;
 use crate::functions::schedule::{Moment, passes};
 use crate::jsonl::{Log, SolveRecord, StepRecord};
 use crate::output::Tables;
-use crate::store::{TimeName, clean_stale, list_times, purge};
+use crate::store::{CaseLock, TimeName, clean_stale, list_times, purge};
+use crate::superseded::{SetAside, set_aside};
 use crate::worker::{Answer, Crew, Order, Sheets};
-use crate::{Case, CaseError, Notices, Options, figures, init, meshing, output};
+use crate::{Case, CaseError, Notices, Options, Tensile, figures, init, meshing, output};
 use granflow_base::Stopwatch;
 use granflow_dict::{Diag, Sink};
 use granflow_flow::{Flow, Report, StepError};
@@ -41,6 +42,8 @@ pub struct StepEvent {
     pub report: Report,
     /// Steps since time zero.
     pub step: usize,
+    /// Where grains are pulled apart: once in a run, when it first comes to such a state.
+    pub tensile: Option<Tensile>,
     /// The time directory written at its end.
     pub wrote: Option<String>,
     /// Wall-clock time since the run began, s.
@@ -66,6 +69,9 @@ pub struct Run {
     /// Name and time of the last directory that holds the present run's state.
     last_written: (String, f64),
     n_written: usize,
+    /// Held by runs that were loaded here.
+    lock: Option<CaseLock>,
+    set_aside: Option<SetAside>,
     /// Wall-clock seconds per second of the flow, averaged over the latest steps.
     pace: Option<f64>,
 }
@@ -81,6 +87,7 @@ impl Run {
         sink: &Sink,
         notices: &Notices,
     ) -> Result<Run, CaseError> {
+        let lock = CaseLock::take(root)?;
         for stale in clean_stale(root)? {
             if let crate::store::Stale::Restored(path) = stale {
                 notices.say(format!("{} of an interrupted run was restored", path.display()));
@@ -96,10 +103,12 @@ impl Run {
             }
         }
         let case = Case::load(root, options, sink, notices)?;
-        Run::start(case, options, sink)
+        let mut run = Run::start(case, options, sink)?;
+        run.lock = Some(lock);
+        Ok(run)
     }
 
-    /// Runs a case that was loaded.
+    /// Runs a case that was loaded; the caller holds its [`CaseLock`].
     ///
     /// # Errors
     /// The disk refuses; the mesh cannot be cut into so many ranks.
@@ -109,7 +118,7 @@ impl Run {
             meshing::write(&case.root, &case.poly, control.format, control.compression)?;
         }
         let case = Arc::new(case);
-        let crew = Crew::new(case.clone(), options.ranks, options.threads).map_err(|e| {
+        let crew = Crew::new(case.clone(), options).map_err(|e| {
             let path = case.root.join(meshing::POLY_MESH).display().to_string();
             sink.push(Diag::file(path, e.to_string()));
             CaseError::Invalid
@@ -117,6 +126,8 @@ impl Run {
         let control = &case.config.control;
         let began = case.start.time;
         let fresh = case.start.step == 0;
+        let computes = case.end > began + 0.5 * control.dt;
+        let set_aside = if computes { set_aside(&case.root, began, fresh)? } else { None };
         let mut log = if fresh { Log::create(&case.root)? } else { Log::append(&case.root)? };
         let event = json!({
             "time": began, "end": case.end, "cells": case.poly.n_cells(),
@@ -137,6 +148,8 @@ impl Run {
             dt,
             last_written: (case.start.dir.clone(), began),
             n_written: 0,
+            lock: None,
+            set_aside,
             pace: None,
             crew,
             log,
@@ -155,6 +168,10 @@ impl Run {
     /// The present time, s.
     pub fn time(&self) -> f64 {
         self.flow().state.time
+    }
+    /// What an earlier run had written behind the start of this one, which was set aside.
+    pub fn set_aside(&self) -> Option<&SetAside> {
+        self.set_aside.as_ref()
     }
     /// The time to reach, s.
     pub fn end_time(&self) -> f64 {
@@ -178,6 +195,7 @@ impl Run {
         let report = match self.crew.worker.order(Order::Step(dt)) {
             Ok(Answer::Stepped(report)) => *report,
             Ok(_) => Report::default(),
+            Err(StepError::Interrupted { .. }) => return self.stopped(),
             Err(e) => return Err(self.failed(e)),
         };
         let (time, step) = (self.time(), self.flow().state.step);
@@ -189,6 +207,14 @@ impl Run {
         self.functions(&moment)?;
         let seconds = self.clock.seconds();
         self.log_step(&report, step, seconds)?;
+        let tensile = self.crew.worker.tensile.take();
+        if let Some(t) = &tensile {
+            let event = json!({
+                "time": time, "message": "the pressure is not positive",
+                "cells": t.cells, "cell": t.cell, "place": t.place, "pressure": t.pressure,
+            });
+            self.log.event("warning", &object(event))?;
+        }
         let wrote = if write { Some(self.write_now()?) } else { None };
         let pace = (self.clock.seconds() - wall) / dt;
         let pace = self.pace.map_or(pace, |old| old + 0.2 * (pace - old));
@@ -197,6 +223,7 @@ impl Run {
         Ok(Event::Step(Box::new(StepEvent {
             report,
             step,
+            tensile,
             wrote,
             wall: self.clock.seconds(),
             left: Some((pace * (self.case.end - time)).max(0.0)),
@@ -340,17 +367,23 @@ impl Run {
 
     fn log_step(&mut self, r: &Report, step: usize, wall: f64) -> Result<(), CaseError> {
         let mut solves = Vec::with_capacity(3);
-        for (field, pair, iterations) in
-            [("U", &r.u, r.iterations[0]), (self.case.config.pressure(), &r.p, r.iterations[1])]
-        {
+        let fields = [("U", &r.u), (self.case.config.pressure(), &r.p)];
+        for (i, (field, pair)) in fields.into_iter().enumerate() {
             if let Some((first, last)) = pair {
                 let (first, last) = (first.first, last.last);
-                solves.push(SolveRecord { field, iterations, first, last });
+                let (iterations, unconverged) = (r.iterations[i], r.solves[i].unconverged);
+                solves.push(SolveRecord { field, iterations, first, last, unconverged });
             }
         }
         if r.rheology.solves > 0 {
-            let (iterations, last) = (r.rheology.iterations, r.rheology.residual);
-            solves.push(SolveRecord { field: "fluidity", iterations, first: last, last });
+            let g = &r.rheology;
+            solves.push(SolveRecord {
+                field: "fluidity",
+                iterations: g.iterations,
+                first: g.residual,
+                last: g.residual,
+                unconverged: g.unconverged,
+            });
         }
         let residuals = [
             ("U", r.residuals.u),

@@ -1,15 +1,17 @@
 //! One rank's part of a run. Every rank does the same things in the same order: rank 0 says what
 //! is next, and what needs the disk happens there alone.
 
-use crate::Case;
 use crate::build::{self, Start};
 use crate::collect::Collector;
 use crate::functions::{Derivations, Function, View, Written};
+use crate::tensile::{self, Tensile};
+use crate::{Case, Options};
 use granflow_base::Vec3;
 use granflow_flow::{Flow, Report, StepError};
 use granflow_mesh::Mesh;
-use granflow_par::{Exec, InProcess};
+use granflow_par::{Comm, Exec, InProcess};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::thread::JoinHandle;
 
 /// What rank 0 asks of every rank.
@@ -97,25 +99,40 @@ pub(crate) struct Worker {
     report: Report,
     /// Time and step number before the last step.
     before: (f64, usize),
+    /// Where grains are pulled apart, when the run first comes to such a state.
+    pub(crate) tensile: Option<Tensile>,
+    /// Whether nobody looks for that (any more).
+    tensile_known: bool,
+    /// Asks the flow to give up the step it is at.
+    stop: Arc<AtomicBool>,
     /// Name of the present time in tables.
     pub(crate) time_name: String,
 }
 
 impl Worker {
-    pub(crate) fn new(case: Arc<Case>, exec: Exec, mesh: Arc<Mesh>) -> Worker {
+    pub(crate) fn new(
+        case: Arc<Case>,
+        exec: Exec,
+        mesh: Arc<Mesh>,
+        stop: Arc<AtomicBool>,
+    ) -> Worker {
         let collector = Collector::new(&exec, &mesh, case.poly.n_cells(), case.poly.n_faces());
         let functions = case.config.functions.iter().map(|f| f.plan.build(&mesh, &exec)).collect();
         let start = Start::of_case(&case, &mesh);
-        let flow = build::flow(&case, exec, mesh, start);
+        let mut flow = build::flow(&case, exec, mesh, start);
+        flow.stop = Some(stop.clone());
         Worker {
-            case,
             flow: Some(flow),
             collector,
             functions,
             derived: Derivations::default(),
             report: Report::default(),
             before: (0.0, 0),
+            tensile: None,
+            tensile_known: case.config.transport.grains.is_none(),
+            stop,
             time_name: String::new(),
+            case,
         }
     }
 
@@ -164,6 +181,10 @@ impl Worker {
                 self.before = before;
                 let report = self.agree(result)?;
                 self.report = report;
+                if !self.tensile_known {
+                    self.tensile = tensile::find(self.flow());
+                    self.tensile_known = self.tensile.is_some();
+                }
                 Ok(Answer::Stepped(Box::new(report)))
             }
             Order::Rollback => {
@@ -269,7 +290,9 @@ impl Worker {
     fn renew(&mut self) {
         let start = Start::of_flow(&self.case, self.flow());
         if let Some(Flow { exec, mesh, .. }) = self.flow.take() {
-            self.flow = Some(build::flow(&self.case, exec, mesh, start));
+            let mut flow = build::flow(&self.case, exec, mesh, start);
+            flow.stop = Some(self.stop.clone());
+            self.flow = Some(flow);
         }
     }
 }
@@ -293,14 +316,17 @@ impl Crew {
     /// dropped.
     pub(crate) fn new(
         case: Arc<Case>,
-        ranks: usize,
-        threads: usize,
+        options: &Options,
     ) -> Result<Crew, granflow_mesh::MeshError> {
-        let ranks = ranks.clamp(1, case.mesh.n_cells.max(1));
+        let stop = &options.stop;
+        let ranks = options.ranks.clamp(1, case.mesh.n_cells.max(1));
         if ranks == 1 {
-            let exec = Exec::new(threads, Box::new(granflow_par::Solo));
+            let exec = exec(options, Box::new(granflow_par::Solo));
             let mesh = case.mesh.clone();
-            return Ok(Crew { worker: Worker::new(case, exec, mesh), others: Vec::new() });
+            return Ok(Crew {
+                worker: Worker::new(case, exec, mesh, stop.clone()),
+                others: Vec::new(),
+            });
         }
         let parts = decompose(&case, ranks)?;
         let mut others = Vec::with_capacity(ranks - 1);
@@ -310,15 +336,25 @@ impl Crew {
                 first = Some((comm, mesh));
                 continue;
             }
-            let case = case.clone();
+            let (case, stop) = (case.clone(), stop.clone());
+            let options = options.clone();
             others.push(std::thread::spawn(move || {
-                let exec = Exec::new(threads, Box::new(comm));
-                Worker::new(case, exec, Arc::new(mesh)).serve();
+                let exec = exec(&options, Box::new(comm));
+                Worker::new(case, exec, Arc::new(mesh), stop).serve();
             }));
         }
         let (comm, mesh) = first.expect("at least one rank");
-        let exec = Exec::new(threads, Box::new(comm));
-        Ok(Crew { worker: Worker::new(case, exec, Arc::new(mesh)), others })
+        let exec = exec(options, Box::new(comm));
+        Ok(Crew { worker: Worker::new(case, exec, Arc::new(mesh), stop.clone()), others })
+    }
+}
+
+/// The threads of a rank.
+fn exec(options: &Options, comm: Box<dyn Comm>) -> Exec {
+    let exec = Exec::new(options.threads, comm);
+    match options.share {
+        Some(least) => exec.sharing_from(least),
+        None => exec,
     }
 }
 

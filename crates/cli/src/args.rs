@@ -38,6 +38,10 @@ pub enum Command {
     List(List),
     /// Draw the figures of system/plotDict
     Plot(Place),
+    /// Write the times as VTK files: VTK/TIME.vtu and VTK/case.pvd
+    Export(Place),
+    /// Run built-in cases and compare them with their references
+    Validate(Validate),
 }
 
 /// `granflow run`.
@@ -49,6 +53,9 @@ pub struct Run {
     /// Threads; the results are the same bits for any number [default: all cores]
     #[arg(short = 'j', long = "threads", value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
+    /// Least number of entries of a loop that threads share (tests make small meshes use them)
+    #[arg(long, value_name = "N", hide = true)]
+    pub share: Option<usize>,
     /// Time directory to start from [default: what controlDict says]
     #[arg(long, value_name = "start|latest|TIME", value_parser = start)]
     pub from: Option<Start>,
@@ -80,6 +87,16 @@ pub struct New {
     pub name: String,
     /// Directory to write; must not exist [default: NAME]
     pub dir: Option<PathBuf>,
+}
+
+/// `granflow validate`.
+#[derive(Debug, clap::Args)]
+pub struct Validate {
+    /// Names of cases (granflow list cases) [default: all that have a reference]
+    pub names: Vec<String>,
+    /// Directory of the report
+    #[arg(short, long, value_name = "DIR", default_value = "validation")]
+    pub out: PathBuf,
 }
 
 /// `granflow list`.

@@ -12,6 +12,10 @@ pub(crate) struct Builtin {
 pub(crate) static ALL: &[Builtin] = include!(concat!(env!("OUT_DIR"), "/cases.rs"));
 
 impl Builtin {
+    /// Whether it holds the file `path`.
+    pub(crate) fn has(&self, path: &str) -> bool {
+        self.files.iter().any(|(p, _)| *p == path)
+    }
     fn text(&self, path: &str) -> Option<&'static str> {
         let (_, bytes) = self.files.iter().find(|(p, _)| *p == path)?;
         std::str::from_utf8(bytes).ok()

@@ -1,7 +1,7 @@
 //! Why a command did not do what it was asked, and the exit code of each reason.
 
 use granflow_case::CaseError;
-use granflow_case::store::StoreError;
+use granflow_case::store::{LockError, StoreError};
 use std::io;
 
 /// Why a command stopped.
@@ -18,6 +18,15 @@ pub enum Failure {
     },
     /// A signal asked to stop: its number. The state was written.
     Signal(i32),
+    /// Quantities that are not what they should be.
+    Validation {
+        /// How many.
+        failed: usize,
+        /// Of how many.
+        of: usize,
+    },
+    /// There is no room for scratch files.
+    Scratch(io::Error),
     /// Standard output cannot be written (a closed pipe is no failure).
     Output(io::Error),
 }
@@ -33,7 +42,8 @@ impl Failure {
             Failure::Case(e) => e.exit_code(),
             Failure::Refused { .. } => 2,
             Failure::Signal(number) => 128 + number,
-            Failure::Output(_) => 4,
+            Failure::Validation { .. } => 3,
+            Failure::Output(_) | Failure::Scratch(_) => 4,
         }
     }
 }
@@ -48,6 +58,11 @@ impl From<StoreError> for Failure {
         Failure::Case(e.into())
     }
 }
+impl From<LockError> for Failure {
+    fn from(e: LockError) -> Self {
+        Failure::Case(e.into())
+    }
+}
 
 #[cfg(test)]
 mod tests {
@@ -57,6 +72,7 @@ mod tests {
     fn exit_codes_are_those_of_the_interface() {
         assert_eq!(Failure::from(CaseError::Invalid).exit_code(), 2);
         assert_eq!(Failure::refused("a", "b").exit_code(), 2);
+        assert_eq!(Failure::Validation { failed: 1, of: 2 }.exit_code(), 3);
         assert_eq!(Failure::Signal(2).exit_code(), 130);
         assert_eq!(Failure::Signal(15).exit_code(), 143);
         assert_eq!(Failure::Output(io::Error::other("disk")).exit_code(), 4);

@@ -21,6 +21,7 @@ mod output;
 mod progress;
 mod session;
 mod signals;
+mod tally;
 mod text;
 
 pub use failure::Failure;

@@ -1,8 +1,8 @@
 //! How a run shows itself: one line on a terminal, drawn over and over; else a plain line now and
 //! then that a person can read in a file.
 
-use crate::output::Output;
-use crate::text::{duration, number, residual, rounded};
+use crate::output::{Output, complain};
+use crate::text::{count, duration, number, residual, rounded};
 use granflow_case::StepEvent;
 use granflow_flow::Report;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -67,6 +67,14 @@ impl Progress {
         }
     }
 
+    /// A warning among the lines.
+    pub(crate) fn warn(&self, text: &str) {
+        match &self.bar {
+            Some(bar) => bar.suspend(|| complain(text)),
+            None => complain(text),
+        }
+    }
+
     /// Takes the bar away.
     pub(crate) fn close(&self) {
         if let Some(bar) = &self.bar {
@@ -75,7 +83,8 @@ impl Progress {
     }
 }
 
-/// `t 1.25 s  left 12 s  step 1250  U 2.1e-9  p 3.4e-10  visc 8.0e-9  outer 3  Co 0.12`.
+/// `t 1.25 s  left 12 s  step 1250  U 2.1e-9  p 3.4e-10  visc 8.0e-9  outer 3  Co 0.12`, and how
+/// many linear solves of the step ran out of iterations, if any did.
 ///
 /// U and p are the residuals of momentum and continuity. Of a single outer iteration (PISO) the
 /// relative change of velocity in the step says more: how far the flow is from steady.
@@ -96,13 +105,18 @@ pub(crate) fn status(step: usize, r: &Report, left: Option<f64>) -> String {
         (_, false) => format!("outer {} (not converged)", r.outer),
     });
     parts.push(format!("Co {}", number(r.courant[1])));
+    let unconverged = r.solves.iter().map(|s| s.unconverged).sum::<usize>();
+    if unconverged + r.rheology.unconverged > 0 {
+        let solves = count(unconverged + r.rheology.unconverged, "solve");
+        parts.push(format!("{solves} unconverged"));
+    }
     parts.join("  ")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granflow_flow::Residuals;
+    use granflow_flow::{Residuals, SolveCount};
 
     #[test]
     fn the_line_is_readable() {
@@ -130,5 +144,7 @@ mod tests {
             status(7, &r, None),
             "t 1.25 s  step 7  U 2.1e-9  p 3.4e-10  change 1.2e-2  Co 0.123"
         );
+        r.solves[1] = SolveCount { all: 9, unconverged: 2 };
+        assert!(status(7, &r, None).ends_with("Co 0.123  2 solves unconverged"));
     }
 }

@@ -9,6 +9,7 @@ use clap::Parser;
 use clap::error::ErrorKind;
 use granflow_case::{CaseError, Notices};
 use granflow_dict::Sink;
+use granflow_flow::StepError;
 use std::ffi::OsString;
 
 /// What every command works with.
@@ -25,11 +26,7 @@ pub(crate) struct Session {
 
 /// Runs the program; returns its exit code.
 pub(crate) fn run(args: impl IntoIterator<Item = OsString>) -> i32 {
-    let words: Vec<OsString> = args.into_iter().collect();
-    if let Some(failure) = not_there_yet(&words) {
-        return finish(Session::new(false), Err(failure));
-    }
-    let args = match Args::try_parse_from(words) {
+    let args = match Args::try_parse_from(args) {
         Ok(args) => args,
         Err(e) => {
             // Help and version end up here too; a closed pipe is no error.
@@ -49,26 +46,23 @@ pub(crate) fn run(args: impl IntoIterator<Item = OsString>) -> i32 {
         Command::New(a) => commands::new::command(&mut session, a),
         Command::List(a) => commands::list::command(&mut session, a),
         Command::Plot(a) => commands::plot::command(&mut session, a),
+        Command::Export(a) => commands::export::command(&mut session, a),
+        Command::Validate(a) => commands::validate::command(&mut session, a),
     };
     finish(session, outcome)
 }
 
+/// What to do when somebody else changes the case.
+const BUSY_HELP: &str = "  = help: wait until it has ended, stop it (it writes its state first), or \
+                         run a copy of the case";
+
+/// What to do when grains are asked for more stress than they carry.
+const BEYOND_HELP: &str = "  = help: lower the wall speed or the force that drives the flow, raise \
+                           the pressure, or look at mu2; `granflow run --from latest` goes on";
+
 /// What to do when the computation failed.
 const STEP_HELP: &str = "  = help: shorten deltaT (or write `adjustTimeStep yes; maxCo 0.5;`), look at \
                          the boundary conditions, then `granflow run --from latest` goes on";
-
-/// Commands of the interface that a later version has.
-const LATER: &[(&str, &str)] = &[
-    ("export", "ParaView reads the case as it is: `touch case.foam`, then open that file"),
-    ("validate", "run a case of `granflow list cases` and compare with the reference beside it"),
-];
-
-fn not_there_yet(words: &[OsString]) -> Option<Failure> {
-    let command = words.iter().skip(1).filter_map(|w| w.to_str()).find(|w| !w.starts_with('-'))?;
-    let (name, help) = LATER.iter().find(|(name, _)| *name == command)?;
-    let version = env!("CARGO_PKG_VERSION");
-    Some(Failure::refused(format!("`granflow {name}` is not there yet (version {version})"), *help))
-}
 
 impl Session {
     fn new(quiet: bool) -> Session {
@@ -128,10 +122,19 @@ fn finish(mut session: Session, outcome: Result<(), Failure>) -> i32 {
             match &failure {
                 Failure::Case(e) => {
                     complain(&format!("error: {e}"));
-                    if let CaseError::Step { .. } = e {
-                        complain(STEP_HELP);
+                    if let CaseError::Busy { .. } = e {
+                        complain(BUSY_HELP);
+                    }
+                    if let CaseError::Step { source, .. } = e {
+                        let beyond = matches!(source, StepError::Beyond { .. });
+                        complain(if beyond { BEYOND_HELP } else { STEP_HELP });
                     }
                 }
+                Failure::Validation { failed, of } => {
+                    let of = count(*of, "check");
+                    complain(&format!("error: {failed} of {of} did not come out as expected"));
+                }
+                Failure::Scratch(e) => complain(&format!("error: cannot use scratch files: {e}")),
                 Failure::Output(e) => complain(&format!("error: cannot write the output: {e}")),
                 Failure::Signal(_) | Failure::Refused { .. } => {}
             }

@@ -54,6 +54,10 @@ bad! {
     include_missing: cavity().edit(CONTROL, "application ", "#include \"settings\"\napplication ");
     code_stream: cavity().edit(CONTROL, "endTime         0.1;", "endTime #codeStream { code #{ os << 1; #}; };");
     empty_file: cavity().write(CONTROL, "");
+    include_etc_of_another_file: cavity().edit("0/U", "boundaryField\n{", "boundaryField\n{\n    #includeEtc \"caseDicts/general/bc\"")
+        .edit("0/U", "    sides\n    {\n        type        empty;\n    }\n", "")
+        .edit("0/U", "    walls\n    {\n        type        noSlip;\n    }\n", "");
+    number_out_of_range: cavity().edit(CONTROL, "endTime         0.1;", "endTime         1e400;");
 }
 
 // ---- controlDict
@@ -69,6 +73,9 @@ bad! {
     function_on_no_patch: ring().edit(CONTROL, "patches (inner);", "patches (iner);");
     function_on_no_field: ring().edit(CONTROL, "fields  (U fluidity);", "fields  (U fluidty);");
     no_such_start: cavity().edit(CONTROL, "startTime       0;", "startTime       3;");
+    no_such_start_of_a_mapped_case: cavity()
+        .edit(CONTROL, "startTime       0;", "startTime       0.05;")
+        .write("system/mapFieldsDict", "patchMap ();");
     empty_value: cavity().edit(CONTROL, "endTime         0.1;", "endTime         ;");
     no_delta_t: cavity().edit(CONTROL, "deltaT          0.005;", "");
     condition_without_type: cavity().edit("0/U", "        type        noSlip;\n", "");
@@ -219,8 +226,8 @@ fn arguments() {
         &["new", "cavityy"],
         &["new", "cavity", "system"],
         &["list", "rheology"],
-        &["export"],
-        &["validate", "cavity"],
+        &["export", "nowhere"],
+        &["validate", "cavty"],
     ]
     .map(refused)
     .into();

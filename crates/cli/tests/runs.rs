@@ -204,6 +204,176 @@ fn the_second_signal_stops_at_once() {
 }
 
 #[test]
+fn a_signal_ends_a_step_that_would_never_end() {
+    // The residuals asked for are below rounding, so the outer iterations go on for ever.
+    let case = ring().edit(
+        "system/fvSolution",
+        "    pRefCell    0;",
+        "    nOuterCorrectors 100000000;\n    residualControl { U 1e-300; p 1e-300; viscosity 1e-300; }\n    pRefCell    0;",
+    );
+    let (mut child, _lines) = start(&case, "8 cells");
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    signal(&child, "-TERM");
+    let asked = std::time::Instant::now();
+    assert_eq!(child.wait().unwrap().code(), Some(143));
+    assert!(asked.elapsed().as_secs() < 20, "{:?}", asked.elapsed());
+    assert_eq!(times(&case), [0.0], "no step was whole");
+    let log = case.read("log.jsonl");
+    assert!(log.lines().last().unwrap().contains("\"reason\":\"stopped\""), "{log}");
+}
+
+#[test]
+fn one_run_a_case_at_a_time() {
+    let case = cavity().edit("system/controlDict", "endTime         0.1;", "endTime 1e9;");
+    let (mut child, _lines) = start(&case, "step 1 ");
+    for command in ["run", "mesh"] {
+        let out = case.run(&[command]);
+        let said = text(&out.stderr);
+        assert_eq!(out.status.code(), Some(2), "{said}");
+        let who = format!("the case is in use by granflow (process {})", child.id());
+        assert!(said.contains(&who) && said.contains(".granflow.lock"), "{said}");
+    }
+    assert_eq!(case.run(&["check"]).status.code(), Some(0), "reading is free");
+    // Killed, it cannot take its lock away; that is in nobody's way.
+    signal(&child, "-KILL");
+    child.wait().unwrap();
+    assert!(case.path().join(".granflow.lock").is_file());
+    let out = case.run(&["run", "--from", "0", "--until", "0.01"]);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    assert!(!case.path().join(".granflow.lock").exists());
+}
+
+#[test]
+fn grains_that_are_pulled_apart_are_said_once() {
+    let case = ring().edit("system/fvSolution", "pRefValue   75;", "pRefValue   -5;");
+    let out = case.run(&["run"]);
+    let said = text(&out.stderr);
+    let sign = "warning: the pressure is not positive in 8 cells at t 0.1 s, the least -5";
+    assert_eq!(said.matches("not positive").count(), 1, "{said}");
+    assert!(said.contains(sign) && said.contains(" in cell "), "{said}");
+    assert!(said.contains("= help: likely the pressure given at a boundary or by pRefValue"));
+    assert!(case.read("log.jsonl").contains("\"message\":\"the pressure is not positive\""));
+}
+
+#[test]
+fn systems_that_were_not_solved_are_counted() {
+    let case = cavity().edit(
+        "system/fvSolution",
+        "tolerance       1e-08;\n        relTol          0.01;",
+        "tolerance 1e-08; relTol 0.01; maxIter 2;",
+    );
+    let out = case.run(&["run"]);
+    let said = text(&out.stdout);
+    assert_eq!(out.status.code(), Some(0), "{said}");
+    let line = said.lines().find(|l| l.starts_with("warning: p: ")).unwrap_or("");
+    assert!(line.contains(" of 40 solves ended unconverged; raise maxIter or use GAMG"), "{said}");
+    let tail = said.lines().find(|l| l.contains("step 1 ")).unwrap_or("");
+    assert!(tail.ends_with("solves unconverged"), "{tail}");
+    let log = case.read("log.jsonl");
+    let step = log.lines().nth(1).and_then(|l| serde_json::from_str(l).ok());
+    let step: serde_json::Value = step.unwrap();
+    assert!(step["solves"][1]["unconverged"].as_u64().is_some_and(|n| n > 0), "{step}");
+    assert_eq!(step["solves"][0]["unconverged"], 0, "{step}");
+}
+
+#[test]
+fn friction_that_is_used_up_is_the_reason_given() {
+    // At 20 m/s grains fly: mu(I) has come to mu2.
+    let case = ring().edit("0.orig/U", "omega   0.2;", "omega   400;");
+    let out = case.run(&["run"]);
+    let said = text(&out.stderr);
+    assert_eq!(out.status.code(), Some(3), "{said}\n{}", text(&out.stdout));
+    let sign = "error: the friction of the grains is used up at time 0.1: mu = 0.6";
+    assert!(said.contains(sign) && said.contains(" in cell 0 at ("), "{said}");
+    assert!(said.contains("and mu_2 = 0.6435 is all they have"), "{said}");
+    assert!(said.contains("= help: lower the wall speed"), "{said}");
+}
+
+#[test]
+fn the_constraint_types_of_openfoam_are_known() {
+    let include = "#includeEtc \"caseDicts/setConstraintTypes\"";
+    let case = ring()
+        .edit(
+            "0.orig/U",
+            "    minus   { type wedge; }\n    plus    { type wedge; }\n",
+            &format!("    {include}\n"),
+        )
+        .edit("0.orig/p", "    \"(minus|plus)\" { type wedge; }\n", &format!("    {include}\n"));
+    let out = case.run(&["run", "--until", "0.1"]);
+    assert_eq!((out.status.code(), text(&out.stderr)), (Some(0), String::new()));
+}
+
+#[test]
+fn what_an_earlier_run_wrote_behind_the_start_is_set_aside() {
+    let case = ring();
+    assert_eq!(case.run(&["run"]).status.code(), Some(0));
+    let (old, log) = (case.read("0.3/U"), case.read("log.jsonl"));
+    let out = case.run(&["run", "--from", "0", "--until", "0.1"]);
+    let said = text(&out.stdout);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    assert!(
+        said.contains(
+            "note: the 3 times 0.1 to 0.3 of an earlier run lie behind the start of this one: set \
+             aside in superseded/1, to keep or to remove"
+        ),
+        "{said}"
+    );
+    assert_eq!(times(&case), [0.0, 0.1], "the latest time is this run's");
+    assert_eq!(case.read("superseded/1/0.3/U"), old, "nothing is lost");
+    assert_eq!(case.read("superseded/1/log.jsonl"), log);
+    assert!(case.path().join("superseded/1/postProcessing/profile/0.3").is_dir());
+    assert!(!case.path().join("postProcessing/profile/0.3").exists());
+    let out = case.run(&["run", "--from", "latest", "--until", "0.2"]);
+    assert!(!text(&out.stdout).contains("superseded"), "{out:?}");
+    let out = case.run(&["run", "--from", "0.1", "--until", "0.2"]);
+    assert!(text(&out.stdout).contains("the time 0.2 of an earlier run lies"), "{out:?}");
+    assert_eq!(case.read("0.2/U"), case.read("superseded/2/0.2/U"), "and it is the same again");
+}
+
+#[test]
+fn data_that_figures_lack_are_said_once() {
+    let curve =
+        "{ file \"postProcessing/profile/<time>/radius_U_fluidity.xy\"; x col1; y col2; time ";
+    let curves = format!("{curve} (0.1 0.5 0.6); }} {curve} 0.7; }} {curve} 0.5; }}");
+    let case =
+        ring().write("system/plotDict", &format!("figures {{ a {{ curves ( {curves} ); }} }}"));
+    let out = case.run(&["run"]);
+    let said = text(&out.stderr);
+    assert_eq!(out.status.code(), Some(0), "{said}");
+    assert_eq!(said.matches("warning").count(), 1, "{said}");
+    assert!(said.contains("no data for the times 0.5, 0.6, 0.7 in postProcessing/profile/"));
+    assert!(said.contains("4 curves are left out"), "{said}");
+}
+
+#[test]
+fn a_run_can_be_exported() {
+    let case = ring();
+    assert_eq!(case.run(&["run"]).status.code(), Some(0));
+    let out = case.run(&["export"]);
+    let fields = "U, p, fluidity, inertialNumber, strainRate, stressRatio, viscosity";
+    let said = format!("VTK/case.pvd: 4 times of {fields}\n");
+    assert_eq!((out.status.code(), text(&out.stdout)), (Some(0), said));
+    assert!(case.path().join("VTK/0.3.vtu").is_file());
+    assert_eq!(case.read("VTK/case.pvd").matches("<DataSet ").count(), 4);
+}
+
+#[test]
+fn a_case_is_validated_and_reported_on() {
+    let here = tempfile::tempdir().unwrap();
+    let out = granflow(&["validate", "bagnold", "-o", "out"]).current_dir(here.path()).output();
+    let out = out.unwrap();
+    let said = text(&out.stdout);
+    assert_eq!(out.status.code(), Some(0), "{said}{}", text(&out.stderr));
+    let lines: Vec<&str> = said.lines().collect();
+    assert!(lines[1].starts_with("bagnold ") && lines[1].ends_with(" pass"), "{said}");
+    assert_eq!(lines.last(), Some(&"report  out/report.md"));
+    let report = fs::read_to_string(here.path().join("out/report.md")).unwrap();
+    assert!(report.contains("## bagnold") && report.contains("| pass |"), "{report}");
+    assert!(here.path().join("out/bagnold_velocity.png").is_file());
+    assert_eq!(fs::read_dir(here.path()).unwrap().count(), 1, "the scratch is elsewhere");
+}
+
+#[test]
 fn a_reader_that_leaves_is_no_error() {
     let mut child =
         granflow(&["list"]).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();

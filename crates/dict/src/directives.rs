@@ -48,15 +48,12 @@ impl Parser<'_> {
         match name {
             "include" => self.include(c, span, false, None),
             "includeIfPresent" | "sinclude" => self.include(c, span, true, None),
-            "includeEtc" | "includeFunc" => {
+            "includeEtc" => self.include_etc(c, span),
+            "includeFunc" => {
                 let line = rest_of_line(c, span);
-                let text = format!("`#{name}` is not available");
-                let help = if name == "includeEtc" {
-                    "granflow does not read OpenFOAM's `etc` folder; copy the entries that are needed into the case"
-                } else {
-                    "granflow does not read OpenFOAM's packaged functions; write the function's dictionary in full"
-                };
-                self.push(Diag::error(&line, text).label("refused").help(help));
+                let help = "granflow does not read OpenFOAM's packaged functions; write the function's dictionary in full";
+                let d = Diag::error(&line, "`#includeFunc` is not available");
+                self.push(d.label("refused").help(help));
             }
             "inputMode" => self.input_mode(c),
             "remove" => self.remove(c, span),
@@ -175,6 +172,7 @@ impl Parser<'_> {
                 };
                 let d = Diag::error(&at, format!("cannot include `{path}`: {why}"));
                 self.push(d.label("included here"));
+                self.lose();
                 return;
             }
         };

@@ -62,6 +62,10 @@ impl Parser<'_> {
         None
     }
     fn unknown_macro(&mut self, name: &str, span: &Span) {
+        if self.lost {
+            self.gaps += 1;
+            return;
+        }
         let known: Vec<String> = self
             .scopes
             .iter()

@@ -30,11 +30,13 @@
 //!
 //! Expanded on the way: `$name`, `${name}`, `$:from.the.top`, `$.here`, `$..parent`, `#include`,
 //! `#includeIfPresent`, `#sinclude`, `#inputMode`, `#remove`, `#calc`, `#eval`, `${{ }}`, `#if`,
-//! `#ifeq`. Refused by name: `#codeStream`, `#includeEtc`, `#includeFunc`.
+//! `#ifeq`, and of `#includeEtc` the constraint types of fields. Refused by name: `#codeStream`,
+//! `#includeFunc`, any other `#includeEtc`.
 
 mod arith;
 mod diag;
 mod directives;
+mod etc;
 mod expand;
 mod files;
 mod listfile;
@@ -50,6 +52,7 @@ mod tree;
 mod writer;
 
 pub use diag::{Diag, Diags, Severity, Sink};
+pub use etc::CONSTRAINT_TYPES;
 pub use files::{Files, MemoryFiles, NoFiles, compress, decompress};
 pub use listfile::parse_list_file;
 pub use lists::Payload;

@@ -1,6 +1,6 @@
 //! Lists that are too long for tokens: typed, ascii or binary, read in one pass.
 
-use crate::scan;
+use crate::scan::{self, OUT_OF_RANGE, TOO_LARGE};
 use crate::tree::{Entry, Token};
 use granflow_base::{Tensor, Vec3};
 
@@ -251,7 +251,9 @@ fn labels(b: &[u8], mut i: usize) -> Read<Vec<i64>> {
 }
 
 fn scalar_at(b: &[u8], i: usize) -> Read<f64> {
-    match scan::number(b, i).map(|(x, end, _)| (x, end)).or_else(|| scan::not_finite(b, i)) {
+    let written = scan::number(b, i).map(|(x, end, _)| (x, end));
+    match written.or_else(|| scan::not_finite(b, i)) {
+        Some((x, _)) if written.is_some() && x.is_infinite() => fail(i, OUT_OF_RANGE, TOO_LARGE),
         Some(r) => Ok(r),
         None if i >= b.len() => unclosed(b),
         None => fail(i, "a number is needed in this list", "not a number"),

@@ -41,7 +41,7 @@ pub fn parse_str(text: &str) -> (Dict, Vec<Diag>) {
 
 fn root(src: &Arc<Source>) -> Dict {
     let end = src.text.trim_ascii_end().len();
-    Dict { entries: Vec::new(), open: Span::new(src, 0..0), close: Span::new(src, end..end) }
+    Dict { open: Span::new(src, 0..0), close: Span::new(src, end..end), ..Dict::new() }
 }
 
 /// A place in one file.
@@ -96,6 +96,10 @@ pub(crate) struct Parser<'f> {
     pub(crate) depth: usize,
     /// Too many mistakes: say nothing more.
     pub(crate) silent: bool,
+    /// An include was refused, which was said: macros may be unknown because of that.
+    pub(crate) lost: bool,
+    /// Macros that were unknown because of that.
+    pub(crate) gaps: usize,
     /// Keywords that macros have stood for.
     pub(crate) referenced: RefCell<HashSet<String>>,
 }
@@ -114,6 +118,8 @@ impl<'f> Parser<'f> {
             expanded: 0,
             depth: 0,
             silent: false,
+            lost: false,
+            gaps: 0,
             referenced: RefCell::default(),
         }
     }
@@ -263,6 +269,7 @@ impl<'f> Parser<'f> {
 
     /// The value of `key` and the entry's end.
     pub(crate) fn value(&mut self, c: &mut Cursor, key: Key, key_span: Span) {
+        let gaps = self.gaps;
         if let Some(open) = c.take(b'{') {
             let from = match (self.here().same_key(&key), self.mode) {
                 (Some(i), mode) if mode != InputMode::Overwrite => {
@@ -327,6 +334,10 @@ impl<'f> Parser<'f> {
             }
             last = Span::new(&c.src, c.at.saturating_sub(1)..c.at);
         }
+        if self.gaps > gaps {
+            self.here().incomplete = true;
+            return;
+        }
         // `key $dict;` copies a dictionary.
         let value = match out.as_slice() {
             [Token { kind: Tok::Dict(d), .. }] => Value::Dict(d.clone()),
@@ -340,6 +351,14 @@ impl<'f> Parser<'f> {
         let prev = before.last().map_or(key_span, |t| &t.span);
         let here = Arc::ptr_eq(&last.span.src, &c.src) && last.word().is_some();
         (here && prev.line_break_before(&last.span)).then(|| last.span.clone())
+    }
+    /// A number that can be represented, or NaN after saying that it cannot.
+    fn in_range(&mut self, x: f64, span: &Span) -> f64 {
+        if x.is_finite() {
+            return x;
+        }
+        self.push(Diag::error(span, scan::OUT_OF_RANGE).label(scan::TOO_LARGE));
+        f64::NAN
     }
     fn missing_semicolon(&mut self, key: &Key, last: &Span, next: Option<&str>) {
         let d =
@@ -390,7 +409,7 @@ impl<'f> Parser<'f> {
                 }
                 Tok::Verbatim(text)
             }
-            Lexeme::Number(x) => Tok::Number(x),
+            Lexeme::Number(x) => Tok::Number(self.in_range(x, &span)),
             Lexeme::Label(n) => return self.counted(c, n, span, out),
             Lexeme::Punct(m) => Tok::Punct(m),
             Lexeme::Mark(b'(') => {

@@ -83,6 +83,11 @@ pub(crate) fn label(b: &[u8], i: usize) -> Option<(i64, usize)> {
     (at > first && delimits(b.get(at))).then_some((if negative { -x } else { x }, at))
 }
 
+/// What is said of a number that no `f64` holds.
+pub(crate) const OUT_OF_RANGE: &str = "this number is out of range";
+/// And beside it.
+pub(crate) const TOO_LARGE: &str = "its magnitude exceeds 1.8e308";
+
 const POWERS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16,
     1e17, 1e18, 1e19, 1e20, 1e21, 1e22,

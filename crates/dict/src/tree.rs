@@ -16,6 +16,9 @@ pub struct Dict {
     pub open: Span,
     /// The closing brace; the end of a file.
     pub close: Span,
+    /// Whether entries are missing because an include was refused, which was said: that they are
+    /// missing is no mistake of its own.
+    pub incomplete: bool,
 }
 
 /// One keyword with its value.
@@ -141,7 +144,7 @@ pub enum Tok {
 impl Dict {
     /// An empty dictionary that no file holds.
     pub fn new() -> Dict {
-        Dict { entries: Vec::new(), open: Span::none(), close: Span::none() }
+        Dict { entries: Vec::new(), open: Span::none(), close: Span::none(), incomplete: false }
     }
     /// The entry for `key`: an exact keyword first, else the last regular expression that matches.
     pub fn find(&self, key: &str) -> Option<&Entry> {

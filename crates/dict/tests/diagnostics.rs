@@ -239,13 +239,13 @@ fn what_granflow_refuses_it_refuses_by_name() {
     let text =
         "#includeEtc \"caseDicts/general\"\nv #codeStream { code #{ $x; #}; };\n#inclde \"a\"\n";
     assert_snapshot!(parsed(text), @r##"
-    error: `#includeEtc` is not available
+    error: `#includeEtc "caseDicts/general"` is not available
      --> system/test:1:1
       |
     1 | #includeEtc "caseDicts/general"
       | ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^ refused
       |
-      = help: granflow does not read OpenFOAM's `etc` folder; copy the entries that are needed into the case
+      = help: granflow does not read OpenFOAM's `etc` folder, but for "caseDicts/setConstraintTypes", which is built in; copy the entries that are needed into the case
 
     error: `#codeStream` is refused: granflow does not compile C++
      --> system/test:2:3
@@ -262,6 +262,47 @@ fn what_granflow_refuses_it_refuses_by_name() {
       | ^^^^^^^ not known
       |
       = help: did you mean `#include`?
+    "##);
+}
+
+#[test]
+fn numbers_that_no_double_holds_are_refused_where_they_stand() {
+    assert_snapshot!(parsed("a 1e400;\nb (1 -1e309 2);\nc List<scalar> 2(0 1e999);\nd 1e-400;\n"), @r##"
+    error: this number is out of range
+     --> system/test:1:3
+      |
+    1 | a 1e400;
+      |   ^^^^^ its magnitude exceeds 1.8e308
+
+    error: this number is out of range
+     --> system/test:2:6
+      |
+    2 | b (1 -1e309 2);
+      |      ^^^^^^ its magnitude exceeds 1.8e308
+
+    error: this number is out of range
+     --> system/test:3:20
+      |
+    3 | c List<scalar> 2(0 1e999);
+      |                    ^^^^^ its magnitude exceeds 1.8e308
+    "##);
+}
+
+#[test]
+fn what_a_refused_include_would_have_given_is_not_missed() {
+    let read = |r: &Reader<'_>| {
+        r.scalar("relTol", Dims::NONE);
+        r.scalar("tolerance", Dims::NONE);
+    };
+    let text = "#includeEtc \"caseDicts/solvers\"\ntolerance $fromThere;\n";
+    assert_snapshot!(findings(text, read), @r##"
+    error: `#includeEtc "caseDicts/solvers"` is not available
+     --> system/test:1:1
+      |
+    1 | #includeEtc "caseDicts/solvers"
+      | ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^ refused
+      |
+      = help: granflow does not read OpenFOAM's `etc` folder, but for "caseDicts/setConstraintTypes", which is built in; copy the entries that are needed into the case
     "##);
 }
 

@@ -205,3 +205,14 @@ fn nesting_and_doubling_do_not_bring_it_down() {
     let (_, diags) = parse_str(&text);
     assert!(diags.iter().any(|d| d.message.contains("too much")));
 }
+
+#[test]
+fn the_constraint_types_of_fields_are_built_in() {
+    let text = "a 1;\n#includeEtc \"caseDicts/setConstraintTypes\"\nb { type $:wedge.type; }\n";
+    let (dict, diags) = parse_str(text);
+    assert!(diags.is_empty(), "{diags:?}");
+    for name in granflow_dict::CONSTRAINT_TYPES {
+        assert_eq!(dict.sub(name).and_then(|d| d.word("type")), Some(*name));
+    }
+    assert_eq!(dict.sub("b").and_then(|d| d.word("type")), Some("wedge"));
+}

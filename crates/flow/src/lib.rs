@@ -2,7 +2,9 @@
 
 mod anderson;
 mod coupled;
+mod failure;
 mod interpolation;
+mod interrupt;
 mod krylov;
 mod momentum;
 mod predictor;
@@ -14,8 +16,8 @@ mod work;
 
 pub use anderson::Anderson;
 pub use state::{
-    Fluid, Gravity, Numerics, Report, ResidualControl, Residuals, Solve, State, StepError,
-    TimeScheme,
+    Fluid, Gravity, Numerics, Report, ResidualControl, Residuals, Solve, SolveCount, State,
+    StepError, TimeScheme,
 };
 pub use step::{Derived, Flow};
 
@@ -27,8 +29,9 @@ use granflow_linsolve::{SolveError, Solved};
 fn settle_correction(
     result: Result<Solved, SolveError>,
     x: &mut [f64],
+    count: &mut SolveCount,
 ) -> Result<Solved, SolveError> {
-    match settle(result) {
+    match settle(result, count) {
         Err(SolveError::NotPositiveDefinite { iteration }) => {
             x.fill(0.0);
             Ok(Solved { iterations: iteration, first: 0.0, last: 0.0 })
@@ -37,10 +40,18 @@ fn settle_correction(
     }
 }
 
-/// A solver that ran out of iterations has still made progress: the residuals of the step judge.
-fn settle(result: Result<Solved, SolveError>) -> Result<Solved, SolveError> {
+/// A solver that ran out of iterations has still made progress: the residuals of the step judge,
+/// and `count` remembers.
+fn settle(
+    result: Result<Solved, SolveError>,
+    count: &mut SolveCount,
+) -> Result<Solved, SolveError> {
+    count.all += 1;
     match result {
-        Err(SolveError::NotConverged(solved)) => Ok(solved),
+        Err(SolveError::NotConverged(solved)) => {
+            count.unconverged += 1;
+            Ok(solved)
+        }
         other => other,
     }
 }

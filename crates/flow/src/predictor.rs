@@ -13,7 +13,8 @@ impl Flow {
         solve.solver.refresh(exec, &w.u_eqn.a).map_err(failed)?;
         let tolerance = if last { &solve.last } else { &solve.tolerance };
         let (a, b, u) = (&w.u_eqn.a, &w.b, &mut state.u.cells.data);
-        let solved = crate::settle(solve.solver.solve(exec, a, b, u, tolerance)).map_err(failed)?;
+        let result = solve.solver.solve(exec, a, b, u, tolerance);
+        let solved = crate::settle(result, &mut w.solves[0]).map_err(failed)?;
         self.update_conditions();
         Ok(solved)
     }

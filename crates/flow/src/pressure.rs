@@ -36,7 +36,8 @@ impl Flow {
             numerics.p.solver.refresh(exec, &w.p_eqn.a).map_err(failed)?;
             let p_prime = &mut w.p_prime.cells.data;
             let result = numerics.p.solver.solve(exec, &w.p_eqn.a, &w.p_eqn.b, p_prime, tolerance);
-            let solved = crate::settle_correction(result, p_prime).map_err(failed)?;
+            let count = &mut w.solves[1];
+            let solved = crate::settle_correction(result, p_prime, count).map_err(failed)?;
             let first = if k == 0 { solved.first } else { done.first };
             done = Solved { iterations: done.iterations + solved.iterations, first, ..solved };
             mesh.halo.update(exec, &mut w.p_prime.cells.data);

@@ -3,6 +3,7 @@
 use granflow_base::Vec3;
 use granflow_fv::{Convection, FaceField, Gradient, Unknown};
 use granflow_linsolve::{LinearSolver, SolveError, Solved, Tolerance};
+use granflow_physics::rheology::Beyond;
 use granflow_physics::{Rheology, RheologyError, RheologyInfo};
 
 /// Exactly what a restart file holds: nothing here follows from the rest, and what is not here
@@ -131,6 +132,22 @@ impl Residuals {
     }
 }
 
+/// How many linear systems were solved, and how many of them not to their tolerance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SolveCount {
+    /// All solves.
+    pub all: usize,
+    /// Those that ended at `maxIter`.
+    pub unconverged: usize,
+}
+
+impl std::ops::AddAssign for SolveCount {
+    fn add_assign(&mut self, other: SolveCount) {
+        self.all += other.all;
+        self.unconverged += other.unconverged;
+    }
+}
+
 /// What a step did.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Report {
@@ -150,6 +167,8 @@ pub struct Report {
     pub p: Option<(Solved, Solved)>,
     /// Iterations of all momentum and of all pressure solves.
     pub iterations: [usize; 2],
+    /// Linear solves of momentum and of pressure, and how many ran out of iterations.
+    pub solves: [SolveCount; 2],
     /// The rheology's own work, summed over the step.
     pub rheology: RheologyInfo,
     /// Mean and greatest Courant number.
@@ -181,6 +200,28 @@ pub enum StepError {
         time: f64,
         /// What the model said.
         source: RheologyError,
+    },
+    /// Friction is used up somewhere, and the computation failed over it.
+    #[error(
+        "the friction of the grains is used up at time {time}: mu = {:.4} (I = {:.3}) in cell {} at \
+         ({}, {}, {}), and mu_2 = {} is all they have, so that no steady flow exists there \
+         (cells like it: {}); it showed as: {seen}",
+        beyond.mu, beyond.inertial, beyond.cell, beyond.place[0], beyond.place[1],
+        beyond.place[2], beyond.mu_2, beyond.cells
+    )]
+    Beyond {
+        /// Time, s.
+        time: f64,
+        /// Where, and by how much.
+        beyond: Beyond,
+        /// What was seen of it.
+        seen: Box<StepError>,
+    },
+    /// The flow was asked to stop; the state is that before the step.
+    #[error("stopped on request at time {time}")]
+    Interrupted {
+        /// Time before the step, s.
+        time: f64,
     },
     /// A field is no longer a number on another rank.
     #[error("a field is no longer finite on another rank, time {time}")]

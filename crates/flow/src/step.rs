@@ -9,6 +9,7 @@ use granflow_mesh::Mesh;
 use granflow_par::Exec;
 use granflow_physics::rheology::RheologyInfo;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// A flow: what it is, how it is solved, and the scratch to do so.
 pub struct Flow {
@@ -24,6 +25,8 @@ pub struct Flow {
     pub gravity: Gravity,
     /// How to solve.
     pub numerics: Numerics,
+    /// Set from outside: a step that is under way is given up before its next outer pass.
+    pub stop: Option<Arc<AtomicBool>>,
     pub(crate) level_fixed: bool,
     pub(crate) work: Work,
 }
@@ -43,16 +46,15 @@ impl Flow {
         let mut any = fixed;
         exec.comm().max(&mut any);
         let level_fixed = any[0] > 0.0;
-        let mut flow = Flow { exec, mesh, state, fluid, gravity, numerics, level_fixed, work };
+        let stop = None;
+        let mut flow =
+            Flow { exec, mesh, state, fluid, gravity, numerics, stop, level_fixed, work };
         flow.update_conditions();
         flow
     }
 
-    /// Advances by `dt` seconds.
-    ///
-    /// # Errors
-    /// [`StepError`]; [`Flow::rollback`] then restores the state before the step.
-    pub fn step(&mut self, dt: f64) -> Result<Report, StepError> {
+    /// What [`Flow::step`] does, with errors as they come.
+    pub(crate) fn advance(&mut self, dt: f64) -> Result<Report, StepError> {
         self.begin_step(dt);
         self.numerics.gradient.of(&self.exec, &self.mesh, &self.state.u, &mut self.work.grad_u);
         self.recall_viscosity(dt)?;
@@ -61,6 +63,7 @@ impl Flow {
         let outer = self.numerics.outer.max(1);
         let mut report = Report { time: self.state.time, dt, ..Report::default() };
         if !self.is_coupled() {
+            self.give_up_if_asked()?;
             // PISO: one pass was asked for; a generalised Newtonian viscosity follows the flow one
             // step behind, as users of PISO expect.
             self.assemble_momentum(dt)?;
@@ -73,6 +76,7 @@ impl Flow {
             return Ok(report);
         }
         for k in 0..=outer {
+            self.give_up_if_asked()?;
             // In the first pass nothing has moved yet, but the walls and the clock.
             let settled = if k == 0 {
                 self.assemble_momentum(dt)?;
@@ -206,6 +210,8 @@ impl Flow {
         w.clock_start = (state.time, state.step);
         w.fresh = false;
         w.coupled.begin_step();
+        w.solves = Default::default();
+        w.beyond = None;
         state.time += dt;
         state.step += 1;
         self.update_conditions();
@@ -226,6 +232,7 @@ impl Flow {
         let [sum, cells] = exec.sums(n, |r| [r.clone().map(courant).sum(), r.len() as f64]);
         let greatest = exec.max(n, |r| r.map(courant).fold(0.0, f64::max));
         report.courant = [sum / cells.max(1.0), greatest];
+        report.solves = w.solves;
         state.u_old.copy_from_slice(&w.u_start);
         state.phi_old.copy_from_slice(&w.phi_start);
         state.dt_old = dt;
@@ -355,6 +362,7 @@ fn note(kept: &mut Option<(Solved, Solved)>, iterations: &mut usize, solved: Sol
 fn add(total: &mut RheologyInfo, one: RheologyInfo) {
     total.solves += one.solves;
     total.iterations += one.iterations;
+    total.unconverged += one.unconverged;
     total.residual = one.residual;
     total.beyond = one.beyond;
 }

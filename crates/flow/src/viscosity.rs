@@ -97,6 +97,7 @@ impl Flow {
             .rheology
             .update(&view, &mut w.eta_new)
             .map_err(|source| StepError::Rheology { time, source })?;
+        w.beyond = info.beyond;
         let eta_new = &w.eta_new.data;
         exec.for_each(&mut w.g_of_y, |first, y| {
             y.iter_mut().enumerate().for_each(|(i, y)| *y = eta_new[first + i].max(LEAST).ln());

@@ -1,11 +1,12 @@
 //! Scratch of a step: allocated once, and any of it may be garbage between steps.
 
-use crate::Anderson;
 use crate::coupled::Coupled;
+use crate::{Anderson, SolveCount};
 use granflow_base::{Dims, Tensor, Vec3};
 use granflow_fv::{CellField, Equation, FaceField, Reconstruction, Unknown};
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
+use granflow_physics::rheology::Beyond;
 
 pub(crate) struct Work {
     pub(crate) u_eqn: Equation<Vec3>,
@@ -18,6 +19,10 @@ pub(crate) struct Work {
     pub(crate) p_start: Vec<f64>,
     /// Time and number of the step before the present one.
     pub(crate) clock_start: (f64, usize),
+    /// Linear solves of the present step: momentum, pressure.
+    pub(crate) solves: [SolveCount; 2],
+    /// Where the last evaluation of the rheology in this step found too much stress.
+    pub(crate) beyond: Option<Beyond>,
     /// Whether `eta` is the viscosity that the last step accepted.
     pub(crate) fresh: bool,
     /// ln(viscosity) of the outer iteration and what the rheology made of it.
@@ -78,6 +83,8 @@ impl Work {
             u_start: vec![[0.0; 3]; cells],
             p_start: vec![0.0; cells],
             clock_start: (0.0, 0),
+            solves: Default::default(),
+            beyond: None,
             fresh: false,
             y: vec![0.0; m.n_cells],
             g_of_y: vec![0.0; m.n_cells],

@@ -383,3 +383,27 @@ fn no_allocation_after_the_second_step_piso() {
     }
     assert!(found.is_empty(), "allocations in steps 3 to 5: {found:?}");
 }
+
+/// A step that is given up leaves the state as it was, to the bit, and the flow can go on.
+#[test]
+fn a_step_that_is_stopped_never_was() {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    let mesh = || Mesh::new(&square(8)).expect("a mesh");
+    let lid_driven = || cavity(Exec::serial(), mesh(), numerics(1, 2));
+    let (mut stopped, mut plain) = (lid_driven(), lid_driven());
+    let stop = Arc::new(AtomicBool::new(false));
+    stopped.stop = Some(stop.clone());
+    stopped.step(1e-3).expect("a step");
+    plain.step(1e-3).expect("a step");
+    let before = (stopped.state.u.cells.data.clone(), stopped.state.p.cells.data.clone());
+    stop.store(true, Ordering::Relaxed);
+    let said = stopped.step(1e-3).map(|_| ());
+    assert!(matches!(said, Err(granflow_flow::StepError::Interrupted { .. })), "{said:?}");
+    assert_eq!((stopped.state.time, stopped.state.step), (plain.state.time, 1));
+    assert_eq!(before, (stopped.state.u.cells.data.clone(), stopped.state.p.cells.data.clone()));
+    stop.store(false, Ordering::Relaxed);
+    stopped.step(1e-3).expect("a step");
+    plain.step(1e-3).expect("a step");
+    assert_eq!(stopped.state.u.cells.data, plain.state.u.cells.data);
+}

@@ -10,7 +10,7 @@ use crate::team::Team;
 
 /// Entries per partial sum. Part of the definition of every sum: do not tune it per machine.
 pub const BLOCK: usize = 4096;
-/// Below this a loop is not worth a barrier.
+/// Below this a loop is not worth a barrier, unless [`Exec::sharing_from`] says so.
 const MIN_SPLIT: usize = 1024;
 
 /// A team of threads and a communicator: everything a loop needs to know about parallelism.
@@ -19,6 +19,8 @@ const MIN_SPLIT: usize = 1024;
 pub struct Exec {
     team: Team,
     comm: Box<dyn Comm>,
+    /// Loops of fewer entries are not split.
+    least: usize,
     /// Partial sums, kept between calls.
     parts: Mutex<Vec<f64>>,
 }
@@ -57,7 +59,14 @@ impl Exec {
     }
     /// `threads` threads (at least one; the caller counts as the first) on each rank of `comm`.
     pub fn new(threads: usize, comm: Box<dyn Comm>) -> Exec {
-        Exec { team: Team::new(threads.max(1)), comm, parts: Mutex::new(Vec::new()) }
+        let (team, parts) = (Team::new(threads.max(1)), Mutex::new(Vec::new()));
+        Exec { team, comm, least: MIN_SPLIT, parts }
+    }
+    /// Shares loops of `least` entries or more among the threads: small meshes then show in tests
+    /// whether threads change the result. Where sums begin and end stays as it is.
+    #[must_use]
+    pub fn sharing_from(self, least: usize) -> Exec {
+        Exec { least, ..self }
     }
     /// Threads of this rank.
     pub fn threads(&self) -> usize {
@@ -80,7 +89,7 @@ impl Exec {
     /// depends on the number of threads: `f` must treat each entry independently of them.
     pub fn for_each<T: Send>(&self, out: &mut [T], f: impl Fn(usize, &mut [T]) + Sync) {
         let n = out.len();
-        if n < MIN_SPLIT || self.threads() == 1 {
+        if n < self.least || self.threads() == 1 {
             return if n > 0 {
                 f(0, out)
             };
@@ -105,7 +114,7 @@ impl Exec {
     ) {
         assert_eq!(a.len(), b.len(), "for_each2 needs arrays of one length");
         let n = a.len();
-        if n < MIN_SPLIT || self.threads() == 1 {
+        if n < self.least || self.threads() == 1 {
             return if n > 0 {
                 f(0, a, b)
             };
@@ -322,8 +331,11 @@ mod tests {
 
     #[test]
     fn for_each_visits_every_entry_once() {
-        let exec = Exec::new(3, Box::new(Solo));
-        for n in [0, 1, 7, 1023, 1024, 5000, 100_000] {
+        let exec = |least| Exec::new(3, Box::new(Solo)).sharing_from(least);
+        for (n, exec) in [0, 1, 7, 40, 1023, 1024, 5000, 100_000]
+            .into_iter()
+            .flat_map(|n| [(n, exec(1)), (n, exec(1024))])
+        {
             let mut x = vec![0usize; n];
             exec.for_each(&mut x, |first, c| {
                 c.iter_mut().enumerate().for_each(|(i, x)| *x += first + i + 1)
@@ -338,6 +350,19 @@ mod tests {
             });
             assert!(x.iter().zip(&y).all(|(x, y)| *x == 2 * y));
         }
+    }
+
+    #[test]
+    fn small_loops_are_shared_on_demand_only() {
+        let begun = |exec: Exec| {
+            let mut x = [usize::MAX; 64];
+            exec.for_each(&mut x, |first, c| c.fill(first));
+            let mut parts = x.to_vec();
+            parts.dedup();
+            parts
+        };
+        assert_eq!(begun(Exec::new(3, Box::new(Solo))), [0]);
+        assert_eq!(begun(Exec::new(3, Box::new(Solo)).sharing_from(1)), [0, 32]);
     }
 
     #[test]

@@ -30,6 +30,7 @@
 //! file's header gives, and `col1`, `col2`, ...; see [`expression`] and [`table`].
 
 pub mod expression;
+mod gaps;
 pub mod table;
 
 use crate::CaseError;
@@ -37,7 +38,8 @@ use crate::files;
 use crate::output::POST;
 use crate::plot::{Axis, Legend, LineFigure, Marker, Scale, Series, Style};
 use crate::store::{Operation, StoreError, TimeName, write_atomic};
-use granflow_dict::{Diag, Reader, Severity, Sink, Span};
+use gaps::Gaps;
+use granflow_dict::{Reader, Severity, Sink};
 use std::path::{Path, PathBuf};
 use table::Table;
 
@@ -84,15 +86,21 @@ pub fn draw(root: &Path, sink: &Sink) -> Result<Vec<PathBuf>, CaseError> {
 fn read(root: &Path, look: Look, sink: &Sink) -> Result<Vec<(String, LineFigure)>, CaseError> {
     let Some(dict) = files::dict(root, "system/plotDict", sink)? else { return Ok(Vec::new()) };
     let r = Reader::new(&dict, sink);
-    let mut out = Vec::new();
+    let (mut out, mut gaps) = (Vec::new(), Gaps::default());
     for (name, figure) in r.sub("figures").map_or(Vec::new(), |f| f.subs()) {
-        out.push((name.to_owned(), read_figure(root, look, &figure)?));
+        out.push((name.to_owned(), read_figure(root, look, &figure, &mut gaps)?));
     }
+    gaps.warn(sink);
     r.finish(Severity::Error);
     Ok(out)
 }
 
-fn read_figure(root: &Path, look: Look, r: &Reader<'_>) -> Result<LineFigure, CaseError> {
+fn read_figure(
+    root: &Path,
+    look: Look,
+    r: &Reader<'_>,
+    gaps: &mut Gaps,
+) -> Result<LineFigure, CaseError> {
     let scales = [("linear", Scale::Linear), ("log", Scale::Log)];
     let axis = |label: &str, scale: &str, range: &str| Axis {
         label: r.opt_string(label, "").to_owned(),
@@ -122,7 +130,7 @@ fn read_figure(root: &Path, look: Look, r: &Reader<'_>) -> Result<LineFigure, Ca
     while !list.is_empty() {
         let left = list.rest().len();
         if let Some(curve) = list.dict("curve") {
-            figure.series.extend(read_curve(root, look, &curve, &mut markers)?);
+            figure.series.extend(read_curve(root, look, &curve, &mut markers, gaps)?);
         }
         if list.rest().len() == left {
             break;
@@ -137,6 +145,7 @@ fn read_curve(
     look: Look,
     r: &Reader<'_>,
     markers: &mut usize,
+    gaps: &mut Gaps,
 ) -> Result<Vec<Series>, CaseError> {
     #[derive(Clone, Copy)]
     enum Stroke {
@@ -170,7 +179,7 @@ fn read_curve(
         time_given(r);
         return Ok(Vec::new());
     }
-    let times = wanted_times(root, file, r)?;
+    let times = wanted_times(root, file, r, gaps)?;
     if let Some(given) = &labels
         && given.len() != times.len()
     {
@@ -181,8 +190,7 @@ fn read_curve(
     for (i, time) in times.iter().enumerate() {
         let path = root.join(file.replace("<time>", time));
         let Some(text) = read_text(&path)? else {
-            let message = format!("there are no data in {}", files::shown(&path));
-            r.warn_at_key(key, message, "the curve is left out", None);
+            gaps.note(&files::shown(&path), &[], &r.value_span(key));
             continue;
         };
         let table = Table::parse(&text);
@@ -212,7 +220,12 @@ fn read_curve(
 }
 
 /// Names of the time folders a curve asks for; one empty name when its file has no `<time>`.
-fn wanted_times(root: &Path, file: &str, r: &Reader<'_>) -> Result<Vec<String>, CaseError> {
+fn wanted_times(
+    root: &Path,
+    file: &str,
+    r: &Reader<'_>,
+    gaps: &mut Gaps,
+) -> Result<Vec<String>, CaseError> {
     let Some((folder, _)) = file.split_once("<time>") else {
         r.ignore("time");
         return Ok(vec![String::new()]);
@@ -232,22 +245,17 @@ fn wanted_times(root: &Path, file: &str, r: &Reader<'_>) -> Result<Vec<String>, 
                 let best = there.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
                 (off(&best) <= 1e-6 * t.abs().max(1e-300)).then(|| best.1.clone())
             };
-            let span: Span = r.value_span("time");
-            let name = |t: f64| {
-                let name = near(t);
-                if name.is_none() {
-                    let message = format!("no data for the time {t} in {folder}");
-                    let d = Diag::warning(&span, message);
-                    r.sink().push(d.label("the curve is left out"));
-                }
-                name
-            };
-            wanted.into_iter().filter_map(name).collect()
+            let found: Vec<Option<String>> = wanted.iter().map(|t| near(*t)).collect();
+            let lacking = wanted.iter().zip(&found).filter(|(_, f)| f.is_none());
+            let lacking: Vec<String> = lacking.map(|(t, _)| t.to_string()).collect();
+            if !lacking.is_empty() && !there.is_empty() {
+                gaps.note(folder, &lacking, &r.value_span("time"));
+            }
+            found.into_iter().flatten().collect()
         }
     };
     if there.is_empty() {
-        let message = format!("there are no data in {}", files::shown(&root.join(folder)));
-        r.warn_at_key("file", message, "the curve is left out", None);
+        gaps.note(&files::shown(&root.join(folder)), &[], &r.value_span("file"));
     }
     Ok(found)
 }

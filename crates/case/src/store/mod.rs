@@ -7,16 +7,19 @@
 //! - [`TimeName`], [`list_times`], [`latest`], [`nearest_time`]: time values and their directories
 //! - [`TimeWriter`], [`DirWriter`], [`write_atomic`]: writing
 //! - [`purge`], [`clean_stale`]: removing
+//! - [`CaseLock`]: one process at a time
 //! - [`StoreError`]: what failed, on which path, and whether the machine is to blame
 
 mod dir;
 mod disk;
 mod error;
+mod lock;
 mod stale;
 mod time;
 
 pub use dir::{Compression, DirWriter, TimeWriter, write_atomic, write_atomic_on};
 pub use disk::{Disk, RealDisk};
 pub use error::{Kind, Operation, StoreError};
+pub use lock::{CaseLock, LOCK_NAME, LockError};
 pub use stale::{Stale, clean_stale, purge};
 pub use time::{MAX_PRECISION, TimeFormat, TimeName, latest, list_times, nearest_time};

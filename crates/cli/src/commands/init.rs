@@ -7,7 +7,7 @@ use crate::session::Session;
 use crate::text::place;
 use granflow_case::CaseError;
 use granflow_case::init::{from_orig, refuse_set_fields};
-use granflow_case::store::list_times;
+use granflow_case::store::{CaseLock, list_times};
 use granflow_dict::{Sink, Source};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -19,6 +19,7 @@ use std::path::{Path, PathBuf};
 pub(crate) fn command(session: &mut Session, args: &Place) -> Result<(), Failure> {
     let root = &args.case;
     need_case(root)?;
+    let _lock = CaseLock::take(root)?;
     if !root.join(ORIG).is_dir() {
         let message = format!("the case has no directory `{ORIG}` to make `0` of");
         return Err(Failure::refused(message, "write the fields to `0` directly"));

@@ -6,6 +6,7 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::text::place;
 use granflow_case::meshing;
+use granflow_case::store::CaseLock;
 use granflow_mesh::check::check;
 
 /// Runs the command.
@@ -14,6 +15,7 @@ use granflow_mesh::check::check;
 /// [`Failure`].
 pub(crate) fn command(session: &mut Session, args: &Place) -> Result<(), Failure> {
     need_case(&args.case)?;
+    let _lock = CaseLock::take(&args.case)?;
     let poly = meshing::make(&args.case, &session.sink)?;
     session.speak_up();
     session.out.say(&check(&poly).to_string());

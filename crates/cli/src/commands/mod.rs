@@ -1,12 +1,14 @@
 //! One file a command: `command(session, arguments)` does it.
 
 pub(crate) mod check;
+pub(crate) mod export;
 pub(crate) mod init;
 pub(crate) mod list;
 pub(crate) mod mesh;
 pub(crate) mod new;
 pub(crate) mod plot;
 pub(crate) mod run;
+pub(crate) mod validate;
 
 use crate::failure::Failure;
 use crate::output::complain;

@@ -7,11 +7,11 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::signals::Signals;
-use crate::text::{count, duration, number, place, rounded, shown};
-use granflow_case::store::{Stale, clean_stale};
-use granflow_case::{Case, End, Event, From, Options, Run, StepEvent};
+use crate::tally::{Tally, pulled_apart};
+use crate::text::{count, rounded, shown};
+use granflow_case::store::{CaseLock, Stale, clean_stale};
+use granflow_case::{Case, End, Event, From, Options, Run, SetAside};
 use granflow_mesh::check::check;
-use std::path::Path;
 use std::time::Instant;
 
 /// Runs the command.
@@ -29,9 +29,11 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
             Start::Time(t) => From::Time(t),
         }),
         until: args.until,
+        share: args.share,
         stop: signals.stop(),
         ..Options::default()
     };
+    let _lock = CaseLock::take(root)?;
     let initial = Initial::prepare(root, &session.sink)?;
     let loaded = Case::load(root, &options, &session.sink, &session.notices);
     if loaded.is_err() {
@@ -49,6 +51,9 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
         }
     }
     let mut run = Run::start(case, &options, &session.sink)?;
+    if let Some(old) = run.set_aside() {
+        session.notices.say(set_aside(old));
+    }
     session.speak_up();
     introduce(session, run.case(), initialised, options.threads);
 
@@ -59,6 +64,9 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
         match run.advance() {
             Ok(Event::Step(event)) => {
                 tally.note(&event);
+                if let Some(t) = &event.tensile {
+                    progress.warn(&pulled_apart(t, event.report.time));
+                }
                 progress.step(&mut session.out, &event);
             }
             Ok(Event::Done(end)) => break end,
@@ -79,7 +87,7 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
     } else {
         tally.written(run.write_now()?);
     }
-    tally.summary(session, run.time(), begin.elapsed().as_secs_f64());
+    tally.summary(session, run.case(), run.time(), begin.elapsed().as_secs_f64());
     if let End::Stopped = end {
         // Written, which is what a person in a hurry wants; figures can be drawn later.
         tally.say_where(session, root);
@@ -115,112 +123,16 @@ fn introduce(session: &mut Session, case: &Case, initialised: bool, threads: usi
     session.out.say(&format!("{cells}, {model}, t {from} to {to} s, {threads}{made}"));
 }
 
-/// What the run has done so far.
-struct Tally {
-    steps: usize,
-    unconverged: usize,
-    began_at: f64,
-    /// Time, length and relative change of velocity of the last full step.
-    last: Option<(f64, f64, f64)>,
-    written: Vec<String>,
-}
-
-impl Tally {
-    fn new(case: &Case) -> Tally {
-        Tally {
-            steps: 0,
-            unconverged: 0,
-            began_at: case.start.time,
-            last: None,
-            written: Vec::new(),
+/// What to say of an earlier run's times.
+fn set_aside(old: &SetAside) -> String {
+    let (first, last) = (old.times.first(), old.times.last());
+    let which = match (first, last, old.times.len()) {
+        (Some(first), _, 1) => format!("the time {first} of an earlier run lies"),
+        (Some(first), Some(last), n) => {
+            format!("the {n} times {first} to {last} of an earlier run lie")
         }
-    }
-
-    fn note(&mut self, event: &StepEvent) {
-        let r = &event.report;
-        self.steps += 1;
-        self.unconverged += usize::from(!r.converged);
-        // A short step, fitted to a write time, says little about a rate of change.
-        if self.last.is_none_or(|(_, dt, _)| r.dt >= 0.5 * dt) {
-            self.last = Some((r.time, r.dt, r.change));
-        }
-        if let Some(name) = &event.wrote {
-            self.written(name.clone());
-        }
-    }
-
-    /// A time directory holds results of this run.
-    fn written(&mut self, name: String) {
-        if self.steps > 0 && self.written.last() != Some(&name) {
-            self.written.push(name);
-        }
-    }
-
-    fn summary(&self, session: &mut Session, time: f64, wall: f64) {
-        if self.steps == 0 {
-            return;
-        }
-        let mut line = format!("t {} s after {}", rounded(time, 6), count(self.steps, "step"));
-        line += &format!(", {} wall time", duration(wall));
-        line += &format!(" ({} ms a step)", number(1e3 * wall / self.steps as f64));
-        session.out.say(&line);
-        if let Some(line) = self.steadiness() {
-            session.out.say(&line);
-        }
-        if self.unconverged > 0 {
-            session.out.say(&format!(
-                "warning: {} of {} did not meet residualControl within nOuterCorrectors",
-                self.unconverged,
-                count(self.steps, "step"),
-            ));
-        }
-    }
-
-    /// How far the flow would still move if it went on at its last rate for as long as this run.
-    fn steadiness(&self) -> Option<String> {
-        let (time, dt, change) = self.last?;
-        let span = time - self.began_at;
-        let drift = change / dt * span;
-        let (word, rate) = match drift {
-            d if d <= STEADY => ("steady", number(d)),
-            d => ("not steady", number(d)),
-        };
-        Some(format!(
-            "{word}: in another {} s at its last rate U would change by {rate} of its maximum",
-            rounded(span, 3)
-        ))
-    }
-
-    fn say_where(&self, session: &mut Session, root: &Path) {
-        let (Some(first), Some(last)) = (self.written.first(), self.written.last()) else { return };
-        session.out.say(&match self.written.len() {
-            1 => format!("results  {}", place(root, last)),
-            n => format!("results  {} to {last} ({})", place(root, first), count(n, "time")),
-        });
-        if root.join("postProcessing").is_dir() {
-            session.out.say(&format!("         {}", place(root, "postProcessing")));
-        }
-    }
-}
-
-/// Greatest drift that counts as steady.
-const STEADY: f64 = 1e-4;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn steady_is_a_matter_of_rate_not_of_the_length_of_a_step() {
-        let tally = |dt: f64, change: f64| Tally {
-            steps: 1,
-            unconverged: 0,
-            began_at: 0.0,
-            last: Some((10.0, dt, change)),
-            written: Vec::new(),
-        };
-        let says = |t: Tally| t.steadiness().unwrap();
-        assert!(says(tally(1.0, 1e-6)).starts_with("steady: in another 10 s"));
-        assert!(says(tally(1e-4, 1e-6)).starts_with("not steady"), "small steps change little");
-    }
+        _ => String::new(),
+    };
+    let dir = shown(&old.dir);
+    format!("{which} behind the start of this one: set aside in {dir}, to keep or to remove")
 }

@@ -228,6 +228,9 @@ impl<'a> Reader<'a> {
     }
     /// Reports that `key` is absent, or that a missing `;` hides it.
     fn missing(&self, key: &str, help: &str) {
+        if self.dict().incomplete {
+            return;
+        }
         for e in &self.dict().entries {
             if let Value::Stream(t) = &e.value
                 && let Some(i) =

@@ -3,6 +3,7 @@
 //! To add a local one: a file with its parameters, `read`, the law and its tests, and one line in
 //! [`ALL`]; see `power_law.rs` for the shortest example.
 
+mod beyond;
 mod bingham;
 mod bird_carreau;
 mod casson;
@@ -13,6 +14,7 @@ mod newtonian;
 mod ngf;
 mod power_law;
 
+pub use beyond::Beyond;
 pub use bingham::Bingham;
 pub use bird_carreau::BirdCarreau;
 pub use casson::Casson;
@@ -53,6 +55,10 @@ pub trait LocalLaw: Send + Sync {
     fn reads_pressure(&self) -> bool {
         false
     }
+    /// The grains, when the material is made of grains whose friction is bounded by mu_2.
+    fn grains(&self) -> Option<Granular> {
+        None
+    }
 }
 
 /// What a rheology may read, spelled out: there is no registry to look fields up in.
@@ -85,10 +91,12 @@ pub struct RheologyInfo {
     pub solves: usize,
     /// Iterations of those solves.
     pub iterations: usize,
+    /// Solves that ran out of iterations.
+    pub unconverged: usize,
     /// Residual of the model's own equation at the returned state (0 for local laws).
     pub residual: f64,
-    /// Cells that asked for more than the model allows (mu >= mu_2).
-    pub beyond: usize,
+    /// Cells that asked for more friction than grains have, if any did.
+    pub beyond: Option<Beyond>,
 }
 
 /// Why a rheology gave no viscosity.
@@ -180,13 +188,17 @@ impl<L: LocalLaw + ?Sized> Rheology for Local<L> {
                 }
             }
         });
-        Ok(RheologyInfo::default())
+        let beyond = self.0.grains().and_then(|g| beyond::beyond(v, &g));
+        Ok(RheologyInfo { beyond, ..RheologyInfo::default() })
     }
     fn is_constant(&self) -> bool {
         self.0.is_constant()
     }
     fn reads_pressure(&self) -> bool {
         self.0.reads_pressure()
+    }
+    fn grains(&self) -> Option<Granular> {
+        self.0.grains()
     }
 }
 

@@ -86,6 +86,9 @@ impl LocalLaw for MuI {
     fn reads_pressure(&self) -> bool {
         true
     }
+    fn grains(&self) -> Option<Granular> {
+        Some(self.0)
+    }
 }
 
 /// T. Barker, J. M. N. T. Gray, J. Fluid Mech. 828 (2017) 5: mu(I) made well posed at low and at

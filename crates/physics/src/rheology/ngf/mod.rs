@@ -22,6 +22,7 @@ pub use law::{Form, Law};
 
 use self::law::Local;
 use self::spread::InnerFit;
+use super::beyond::beyond;
 use super::{Entry, FlowView, FluidContext, Granular, Rheology, RheologyError, RheologyInfo};
 use granflow_base::Dims;
 use granflow_dict::Reader;
@@ -189,7 +190,11 @@ impl Ngf {
     /// The branch that leads to the true root: the local law's fluidity, rate/mu(I), smoothed by
     /// one solve with the sink of material at rest. (From above, Newton would end on the spurious
     /// root mu = mu_s, which the steady form has at any strain rate.)
-    fn start_from_local_law(&mut self, v: &FlowView<'_>) -> Result<usize, RheologyError> {
+    fn start_from_local_law(
+        &mut self,
+        v: &FlowView<'_>,
+        info: &mut RheologyInfo,
+    ) -> Result<(), RheologyError> {
         let Granular { mu_s, mu_2, d, .. } = self.law.grains;
         let q = (mu_2 - mu_s) * mu_s / mu_2 / (self.law.a * d).powi(2);
         let n = v.mesh.n_cells;
@@ -217,7 +222,7 @@ impl Ngf {
             }
         });
         self.step[..n].fill(1.0);
-        let iterations = self.solve(v.exec)?;
+        self.solve(v.exec, info)?;
         let (step, trial) = (&self.step, &self.trial);
         let (rate, spread) = (&self.rate, &self.spread);
         v.exec.for_each(&mut self.g.cells.data[..n], |first, g| {
@@ -228,7 +233,7 @@ impl Ngf {
             }
         });
         v.mesh.halo.update(v.exec, &mut self.g.cells.data);
-        Ok(iterations)
+        Ok(())
     }
 
     fn balance(&self) -> Balance<'_> {
@@ -244,15 +249,24 @@ impl Ngf {
         }
     }
 
-    fn solve(&mut self, exec: &Exec) -> Result<usize, RheologyError> {
+    /// Solves for `step`; adds what it took to `info`.
+    fn solve(&mut self, exec: &Exec, info: &mut RheologyInfo) -> Result<(), RheologyError> {
         let failed = |source| RheologyError::Solve { field: "fluidity", source };
         let solver = &mut self.numerics.solver;
         solver.refresh(exec, &self.eqn.a).map_err(failed)?;
         let tolerance = &self.numerics.tolerance;
-        match solver.solve(exec, &self.eqn.a, &self.eqn.b, &mut self.step, tolerance) {
-            Ok(done) | Err(SolveError::NotConverged(done)) => Ok(done.iterations),
-            Err(e) => Err(failed(e)),
-        }
+        let result = solver.solve(exec, &self.eqn.a, &self.eqn.b, &mut self.step, tolerance);
+        info.solves += 1;
+        info.iterations += match result {
+            Ok(done) => done.iterations,
+            // Some way is better than none: Newton's residual judges.
+            Err(SolveError::NotConverged(done)) => {
+                info.unconverged += 1;
+                done.iterations
+            }
+            Err(e) => return Err(failed(e)),
+        };
+        Ok(())
     }
 
     /// Newton in ln g at frozen strain rate, damped by a pseudo-time step that grows as the
@@ -260,8 +274,8 @@ impl Ngf {
     /// divided by the size of their terms and columns by g, so that every decade counts alike.
     fn newton(&mut self, v: &FlowView<'_>) -> Result<RheologyInfo, RheologyError> {
         let n = v.mesh.n_cells;
-        let mut info = RheologyInfo { solves: 1, ..RheologyInfo::default() };
-        info.iterations += self.start_from_local_law(v)?;
+        let mut info = RheologyInfo::default();
+        self.start_from_local_law(v, &mut info)?;
         let mut terms = std::mem::take(&mut self.terms);
         let mut trial_terms = std::mem::take(&mut self.trial_terms);
         let mut residual = self.balance().of(v, &self.g.cells.data, &mut terms);
@@ -288,8 +302,7 @@ impl Ngf {
                 }
             });
             self.step.fill(0.0);
-            info.iterations += self.solve(v.exec)?;
-            info.solves += 1;
+            self.solve(v.exec, &mut info)?;
             let (step, rate, g) = (&self.step, &self.rate, &self.g.cells.data);
             let spread = &self.spread;
             v.exec.for_each(&mut self.trial[..n], |first, out| {
@@ -420,10 +433,11 @@ impl Rheology for Ngf {
         let first = !self.known;
         let v = &FlowView { dt: if first { f64::INFINITY } else { v.dt }, ..*v };
         self.prepare(v)?;
-        let info = self.newton(v)?;
+        let mut info = self.newton(v)?;
         if first {
             self.g_old.copy_from_slice(&self.g.cells.data);
         }
+        info.beyond = beyond(v, &self.law.grains);
         self.known = true;
         self.viscosity(v, eta);
         Ok(info)

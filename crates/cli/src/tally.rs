@@ -1,0 +1,179 @@
+//! What a run has done so far, and what there is to say about it at the end.
+
+use crate::session::Session;
+use crate::text::{count, duration, number, place, rounded};
+use granflow_case::config::Solution;
+use granflow_case::{Case, StepEvent, Tensile};
+use granflow_flow::SolveCount;
+use granflow_physics::rheology::Beyond;
+use std::path::Path;
+
+/// Counts over the steps of a run.
+#[derive(Default)]
+pub(crate) struct Tally {
+    pub(crate) steps: usize,
+    unconverged: usize,
+    began_at: f64,
+    /// Time, length and relative change of velocity of the last full step.
+    last: Option<(f64, f64, f64)>,
+    written: Vec<String>,
+    /// Linear solves of U, pressure and fluidity.
+    solves: [SolveCount; 3],
+    /// Where friction is used up, if the last step did not converge.
+    beyond: Option<Beyond>,
+}
+
+impl Tally {
+    pub(crate) fn new(case: &Case) -> Tally {
+        Tally { began_at: case.start.time, ..Tally::default() }
+    }
+
+    pub(crate) fn note(&mut self, event: &StepEvent) {
+        let r = &event.report;
+        self.steps += 1;
+        self.unconverged += usize::from(!r.converged);
+        self.beyond = r.rheology.beyond.filter(|_| !r.converged);
+        let g = &r.rheology;
+        self.solves[0] += r.solves[0];
+        self.solves[1] += r.solves[1];
+        self.solves[2] += SolveCount { all: g.solves, unconverged: g.unconverged };
+        // A short step, fitted to a write time, says little about a rate of change.
+        if self.last.is_none_or(|(_, dt, _)| r.dt >= 0.5 * dt) {
+            self.last = Some((r.time, r.dt, r.change));
+        }
+        if let Some(name) = &event.wrote {
+            self.written(name.clone());
+        }
+    }
+
+    /// A time directory holds results of this run.
+    pub(crate) fn written(&mut self, name: String) {
+        if self.steps > 0 && self.written.last() != Some(&name) {
+            self.written.push(name);
+        }
+    }
+
+    pub(crate) fn summary(&self, session: &mut Session, case: &Case, time: f64, wall: f64) {
+        if self.steps == 0 {
+            return;
+        }
+        let mut line = format!("t {} s after {}", rounded(time, 6), count(self.steps, "step"));
+        line += &format!(", {} wall time", duration(wall));
+        line += &format!(" ({} ms a step)", number(1e3 * wall / self.steps as f64));
+        session.out.say(&line);
+        if let Some(line) = self.steadiness() {
+            session.out.say(&line);
+        }
+        if self.unconverged > 0 {
+            session.out.say(&format!(
+                "warning: {} of {} did not meet residualControl within nOuterCorrectors",
+                self.unconverged,
+                count(self.steps, "step"),
+            ));
+        }
+        for line in self.unsolved(&case.config.solution, case.config.pressure()) {
+            session.out.say(&line);
+        }
+        if let Some(b) = &self.beyond {
+            session.out.say(&format!(
+                "warning: friction is used up in {}: mu = {} (I = {}) in cell {} at {}, and mu2 = {} \
+                 is all that grains have, so that no steady flow exists there",
+                count(b.cells, "cell"),
+                rounded(b.mu, 4),
+                number(b.inertial),
+                b.cell,
+                at(b.place),
+                b.mu_2,
+            ));
+        }
+    }
+
+    /// A line for each field whose linear systems were not all solved.
+    fn unsolved(&self, solution: &Solution, pressure: &str) -> Vec<String> {
+        let fields =
+            [("U", &solution.u), (pressure, &solution.p), ("fluidity", &solution.fluidity)];
+        let mut lines = Vec::new();
+        for ((name, linear), solves) in fields.into_iter().zip(&self.solves) {
+            if solves.unconverged == 0 {
+                continue;
+            }
+            // Multigrid solves what it is made for, and momentum and fluidity are not always.
+            let other = if linear.spec.solver != "GAMG" && name == pressure {
+                " or use GAMG"
+            } else {
+                " or tolerance"
+            };
+            lines.push(format!(
+                "warning: {name}: {} of {} ended unconverged; raise maxIter{other}",
+                solves.unconverged,
+                count(solves.all, "solve"),
+            ));
+        }
+        lines
+    }
+
+    /// How far the flow would still move if it went on at its last rate for as long as this run.
+    fn steadiness(&self) -> Option<String> {
+        let (time, dt, change) = self.last?;
+        let span = time - self.began_at;
+        let drift = change / dt * span;
+        let (word, rate) = match drift {
+            d if d <= STEADY => ("steady", number(d)),
+            d => ("not steady", number(d)),
+        };
+        Some(format!(
+            "{word}: in another {} s at its last rate U would change by {rate} of its maximum",
+            rounded(span, 3)
+        ))
+    }
+
+    pub(crate) fn say_where(&self, session: &mut Session, root: &Path) {
+        let (Some(first), Some(last)) = (self.written.first(), self.written.last()) else { return };
+        session.out.say(&match self.written.len() {
+            1 => format!("results  {}", place(root, last)),
+            n => format!("results  {} to {last} ({})", place(root, first), count(n, "time")),
+        });
+        if root.join("postProcessing").is_dir() {
+            session.out.say(&format!("         {}", place(root, "postProcessing")));
+        }
+    }
+}
+
+/// What to say of grains that are pulled apart.
+pub(crate) fn pulled_apart(t: &Tensile, time: f64) -> String {
+    format!(
+        "warning: the pressure is not positive in {} at t {} s, the least {} Pa in cell {} at {}: \
+         grains fall apart there and carry no stress\n  = help: likely the pressure given at a \
+         boundary or by pRefValue is too low, or walls or outlets pull the material; results in \
+         these cells mean nothing",
+        count(t.cells, "cell"),
+        rounded(time, 6),
+        number(t.pressure),
+        t.cell,
+        at(t.place),
+    )
+}
+
+fn at(place: [f64; 3]) -> String {
+    format!("({} {} {})", number(place[0]), number(place[1]), number(place[2]))
+}
+
+/// Greatest drift that counts as steady.
+const STEADY: f64 = 1e-4;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steady_is_a_matter_of_rate_not_of_the_length_of_a_step() {
+        let tally = |dt: f64, change: f64| Tally {
+            steps: 1,
+            last: Some((10.0, dt, change)),
+            ..Tally::default()
+        };
+        let says = |t: Tally| t.steadiness().unwrap();
+        assert!(says(tally(1.0, 1e-6)).starts_with("steady: in another 10 s"));
+        assert!(says(tally(1e-4, 1e-6)).starts_with("not steady"), "small steps change little");
+    }
+}
