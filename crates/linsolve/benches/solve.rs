@@ -15,6 +15,8 @@ use granflow_linsolve::{Csr, Tolerance, gamg};
 use granflow_par::{Exec, Solo};
 use problems::*;
 
+type Maker = fn(Grid) -> Csr;
+
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|w| !w.starts_with('-')).collect();
     let wanted = |name: &str| words.is_empty() || words.iter().any(|w| name.contains(w.as_str()));
@@ -35,7 +37,7 @@ fn main() {
         let exec = Exec::new(threads, Box::new(Solo));
         for side in [46, 100] {
             let g = Grid::cube(side);
-            let makers: [(&str, fn(Grid) -> Csr); 4] = [
+            let makers: [(&str, Maker); 4] = [
                 ("constant", laplacian),
                 ("interface", interface),
                 ("viscous", viscous),
@@ -75,7 +77,11 @@ fn measure(exec: &Exec, name: &str, a: &Csr) {
     let (mut x, mut y) = (vec![0.0; a.cols()], vec![0.0; n]);
     let tolerance = Tolerance { abs: 1e-8, rel: 0.0, max_iter: 200 };
     let calls = if n < 200_000 { 9 } else { 4 };
-    let matvec = fastest(exec, n, 2 * calls, || a.apply(exec, &mut x, &mut y));
+    // Long enough for the clock of the scheduler.
+    let many = 20_000_000 / n;
+    let matvec = fastest(exec, n * many, 2, || {
+        (0..many).for_each(|_| a.apply(exec, &mut x, &mut y));
+    });
     let mut solver = gamg::<f64>();
     let setup = fastest(exec, n, calls, || {
         solver = gamg::<f64>();

@@ -433,7 +433,7 @@ fn a_refreshed_hierarchy_serves_the_new_values() {
 fn a_solved_singular_system_is_not_called_indefinite() {
     let exec = Exec::serial();
     let g = Grid { n: [20, 18, 16], fixed: false, periodic: false };
-    let layers = move |c: [usize; 3]| if (c[2] / 4) % 2 == 0 { 1e-8 } else { 1.0 };
+    let layers = move |c: [usize; 3]| if (c[2] / 4).is_multiple_of(2) { 1e-8 } else { 1.0 };
     for a in [matrix(g, layers, [1.0; 3], 0.0), matrix(g, |_| 1.0, [1.0, 1.0, 1e8], 0.0)] {
         let b = balanced(a.rows());
         for words in ["PCG+DIC", "PCG+diagonal", "PCG+GAMG"] {

@@ -11,8 +11,10 @@ mod halo;
 mod in_process;
 mod rows;
 mod team;
+mod wide;
 
 pub use comm::{Comm, Solo};
 pub use exec::{BLOCK, Exec};
 pub use halo::{Halo, Link};
 pub use in_process::InProcess;
+pub use wide::{gather, wide};

@@ -1,6 +1,6 @@
 //! One level: its matrix in slots, and the sweeps over it.
 
-use granflow_par::Exec;
+use granflow_par::{Exec, wide};
 
 use super::graph::{Galerkin, Graph, NONE};
 use super::layout::{LANES, Layout, SLOTS};
@@ -79,27 +79,37 @@ impl Matrix {
     /// `z = (D + L)^-1 b`: a forward sweep from zero.
     pub(crate) fn forward<const N: usize>(&self, exec: &Exec, b: &[[f32; N]], z: &mut [[f32; N]]) {
         exec.for_each_block(z, SLOTS, |first, z| {
-            for s in 0..z.len() / LANES {
-                let at = first + s * LANES;
-                let mut acc = lanes(b, at);
-                self.lower.subtract(at / LANES, z, &mut acc);
-                self.divide(at, &acc, &mut z[s * LANES..]);
-            }
+            wide(
+                #[inline(always)]
+                || {
+                    for s in 0..z.len() / LANES {
+                        let at = first + s * LANES;
+                        let mut acc = lanes(b, at);
+                        self.lower.subtract(at / LANES, z, &mut acc);
+                        self.divide(at, &acc, &mut z[s * LANES..]);
+                    }
+                },
+            )
         });
     }
     /// `z -= D^-1 U z` from the back: turns a forward sweep into a symmetric one.
     pub(crate) fn backward<const N: usize>(&self, exec: &Exec, z: &mut [[f32; N]]) {
         exec.for_each_block(z, SLOTS, |first, z| {
-            for s in (0..z.len() / LANES).rev() {
-                let at = first + s * LANES;
-                let mut acc = [[0.0; N]; LANES];
-                self.upper.subtract(at / LANES, z, &mut acc);
-                for lane in 0..LANES {
-                    for c in 0..N {
-                        z[s * LANES + lane][c] += acc[lane][c] * self.inv[at + lane];
+            wide(
+                #[inline(always)]
+                || {
+                    for s in (0..z.len() / LANES).rev() {
+                        let at = first + s * LANES;
+                        let mut acc = [[0.0; N]; LANES];
+                        self.upper.subtract(at / LANES, z, &mut acc);
+                        for lane in 0..LANES {
+                            for c in 0..N {
+                                z[s * LANES + lane][c] += acc[lane][c] * self.inv[at + lane];
+                            }
+                        }
                     }
-                }
-            }
+                },
+            )
         });
     }
     /// `r = b - A z` right after [`Matrix::forward`], where it is `-(U + O) z`.
@@ -110,13 +120,18 @@ impl Matrix {
         r: &mut [[f32; N]],
     ) {
         exec.for_each_block(r, SLOTS, |first, r| {
-            let block = &z[first..first + r.len()];
-            for s in 0..r.len() / LANES {
-                let mut acc = [[0.0; N]; LANES];
-                self.upper.subtract(first / LANES + s, block, &mut acc);
-                self.outer.subtract(first / LANES + s, z, &mut acc);
-                r[s * LANES..(s + 1) * LANES].copy_from_slice(&acc);
-            }
+            wide(
+                #[inline(always)]
+                || {
+                    let block = &z[first..first + r.len()];
+                    for s in 0..r.len() / LANES {
+                        let mut acc = [[0.0; N]; LANES];
+                        self.upper.subtract(first / LANES + s, block, &mut acc);
+                        self.outer.subtract(first / LANES + s, z, &mut acc);
+                        r[s * LANES..(s + 1) * LANES].copy_from_slice(&acc);
+                    }
+                },
+            )
         });
     }
     /// A backward Gauss-Seidel sweep on `A z = b`; `t` is scratch.
@@ -129,22 +144,32 @@ impl Matrix {
     ) {
         let old = &*z;
         exec.for_each_block(t, SLOTS, |first, t| {
-            for s in 0..t.len() / LANES {
-                let at = first + s * LANES;
-                let mut acc = lanes(b, at);
-                self.outer.subtract(at / LANES, old, &mut acc);
-                t[s * LANES..(s + 1) * LANES].copy_from_slice(&acc);
-            }
+            wide(
+                #[inline(always)]
+                || {
+                    for s in 0..t.len() / LANES {
+                        let at = first + s * LANES;
+                        let mut acc = lanes(b, at);
+                        self.outer.subtract(at / LANES, old, &mut acc);
+                        t[s * LANES..(s + 1) * LANES].copy_from_slice(&acc);
+                    }
+                },
+            )
         });
         let t = &*t;
         exec.for_each_block(z, SLOTS, |first, z| {
-            for s in (0..z.len() / LANES).rev() {
-                let at = first + s * LANES;
-                let mut acc = lanes(t, at);
-                self.lower.subtract(at / LANES, z, &mut acc);
-                self.upper.subtract(at / LANES, z, &mut acc);
-                self.divide(at, &acc, &mut z[s * LANES..]);
-            }
+            wide(
+                #[inline(always)]
+                || {
+                    for s in (0..z.len() / LANES).rev() {
+                        let at = first + s * LANES;
+                        let mut acc = lanes(t, at);
+                        self.lower.subtract(at / LANES, z, &mut acc);
+                        self.upper.subtract(at / LANES, z, &mut acc);
+                        self.divide(at, &acc, &mut z[s * LANES..]);
+                    }
+                },
+            )
         });
     }
     /// `v = A z`; returns what `sums` makes of each block (first slot, block of `v`).
@@ -156,28 +181,33 @@ impl Matrix {
         sums: impl Fn(usize, &[[f32; N]]) -> [f64; K] + Sync,
     ) -> [f64; K] {
         exec.for_each_local_sums(v, |first, v| {
-            for s in 0..v.len() / LANES {
-                let at = first + s * LANES;
-                let start = at / SLOTS * SLOTS;
-                let block = &z[start..(start + SLOTS).min(z.len())];
-                let mut acc = [[0.0; N]; LANES];
-                for lane in 0..LANES {
-                    for c in 0..N {
-                        acc[lane][c] = -self.diag[at + lane] * z[at + lane][c];
+            wide(
+                #[inline(always)]
+                || {
+                    for s in 0..v.len() / LANES {
+                        let at = first + s * LANES;
+                        let start = at / SLOTS * SLOTS;
+                        let block = &z[start..(start + SLOTS).min(z.len())];
+                        let mut acc = [[0.0; N]; LANES];
+                        for lane in 0..LANES {
+                            for c in 0..N {
+                                acc[lane][c] = -self.diag[at + lane] * z[at + lane][c];
+                            }
+                        }
+                        self.lower.subtract(at / LANES, block, &mut acc);
+                        self.upper.subtract(at / LANES, block, &mut acc);
+                        self.outer.subtract(at / LANES, z, &mut acc);
+                        for (v, a) in v[s * LANES..].iter_mut().zip(&acc) {
+                            *v = a.map(|a| -a);
+                        }
                     }
-                }
-                self.lower.subtract(at / LANES, block, &mut acc);
-                self.upper.subtract(at / LANES, block, &mut acc);
-                self.outer.subtract(at / LANES, z, &mut acc);
-                for (v, a) in v[s * LANES..].iter_mut().zip(&acc) {
-                    *v = a.map(|a| -a);
-                }
-            }
-            sums(first, v)
+                    sums(first, v)
+                },
+            )
         })
     }
 
-    #[inline]
+    #[inline(always)]
     fn divide<const N: usize>(&self, at: usize, acc: &[[f32; N]; LANES], z: &mut [[f32; N]]) {
         let (z, inv) = (&mut z[..LANES], &self.inv[at..at + LANES]);
         for lane in 0..LANES {
@@ -188,7 +218,7 @@ impl Matrix {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn lanes<const N: usize>(b: &[[f32; N]], at: usize) -> [[f32; N]; LANES] {
     let b = &b[at..at + LANES];
     std::array::from_fn(|lane| b[lane])

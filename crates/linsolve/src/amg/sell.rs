@@ -1,7 +1,7 @@
 //! A part of a level's matrix in slices of 16 rows (SELL-C, Kreutzer et al. 2014): entry `k` of
 //! all 16 rows side by side, so that plain loops become vector instructions.
 
-use granflow_par::Exec;
+use granflow_par::{Exec, gather};
 
 use super::graph::NONE;
 use super::layout::LANES;
@@ -44,26 +44,9 @@ impl<C: Copy + Default> Sell<C> {
     }
 }
 
-/// A column index.
-pub(crate) trait Column: Copy + Default + Send + Sync {
-    fn index(self) -> usize;
-}
-impl Column for u16 {
-    #[inline]
-    fn index(self) -> usize {
-        usize::from(self)
-    }
-}
-impl Column for u32 {
-    #[inline]
-    fn index(self) -> usize {
-        self as usize
-    }
-}
-
-impl<C: Column> Sell<C> {
+impl<C: Copy + Into<u32>> Sell<C> {
     /// `acc -= (slice s) z`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn subtract<const N: usize>(
         &self,
         s: usize,
@@ -72,10 +55,7 @@ impl<C: Column> Sell<C> {
     ) {
         let r = self.ptr[s] as usize..self.ptr[s + 1] as usize;
         for (col, val) in self.col[r.clone()].iter().zip(&self.val[r]) {
-            let mut zs = [[0.0f32; N]; LANES];
-            for lane in 0..LANES {
-                zs[lane] = z[col[lane].index()];
-            }
+            let zs = gather(z, col);
             for lane in 0..LANES {
                 for c in 0..N {
                     acc[lane][c] -= val[lane] * zs[lane][c];
