@@ -475,3 +475,19 @@ fn a_breakdown_from_the_start_ends_the_solve() {
     let Err(SolveError::NotConverged(s)) = e else { panic!("{e:?}") };
     assert_eq!((s.last, x), (s.first, vec![0.0; 2]));
 }
+
+/// Where aggregates of the wrong shape, or too large ones, cost hundreds of iterations.
+#[test]
+fn multigrid_needs_few_iterations_for_thin_cells_and_huge_contrast() {
+    let exec = Exec::serial();
+    let tol = Tolerance { abs: 1e-8, rel: 0.0, max_iter: 400 };
+    let mut worst = 0;
+    for (name, a) in hard() {
+        let b = balanced(a.rows());
+        let mut x = vec![0.0; a.cols()];
+        let done = gamg::<f64>().solve(&exec, &a, &b, &mut x, &tol);
+        println!("{name:40} {done:?}");
+        worst = worst.max(done.map_or(400, |s| s.iterations));
+    }
+    assert!(worst < 40, "{worst} iterations");
+}

@@ -9,6 +9,10 @@ use crate::csr::Csr;
 /// No row, no entry.
 pub(crate) const NONE: u32 = u32::MAX;
 
+/// A row sum below this part of the row's magnitudes is rounding: kept, it would make a singular
+/// system one of any sign.
+const NOISE: f64 = 1e-14;
+
 /// One level's matrix.
 #[derive(Debug, Default)]
 pub(crate) struct Graph {
@@ -57,7 +61,8 @@ impl Graph {
             for (i, s) in sum.iter_mut().enumerate() {
                 let (col, val) = a.row(first + i);
                 let kept = col.iter().zip(val).filter(|(c, _)| a.folded(**c).is_some());
-                *s = (kept.map(|(_, v)| v).sum::<f64>() * k) as f32;
+                let (sum, size) = kept.fold((0.0, 0.0), |s, (_, v)| (s.0 + v, s.1 + v.abs()));
+                *s = if sum.abs() > NOISE * size { (sum * k) as f32 } else { 0.0 };
             }
         });
     }

@@ -18,7 +18,8 @@ pub(crate) struct Matrix {
     upper: Sell<u16>,
     /// Couplings to other blocks.
     outer: Sell<u32>,
-    diag: Vec<f32>,
+    /// Row sums and reciprocal diagonals.
+    sum: Vec<f32>,
     inv: Vec<f32>,
 }
 
@@ -54,11 +55,11 @@ impl Matrix {
             outer.push(&out, |lane| (s * LANES + lane) as u32);
         }
         let n = layout.row.len();
-        Matrix { layout, lower, upper, outer, diag: vec![0.0; n], inv: vec![0.0; n] }
+        Matrix { layout, lower, upper, outer, sum: vec![0.0; n], inv: vec![0.0; n] }
     }
 
     pub(crate) fn slots(&self) -> usize {
-        self.diag.len()
+        self.sum.len()
     }
 
     pub(crate) fn refresh(&mut self, exec: &Exec, g: &Graph) {
@@ -66,12 +67,13 @@ impl Matrix {
         self.upper.refresh(exec, &g.val);
         self.outer.refresh(exec, &g.val);
         let row = &self.layout.row;
-        exec.for_each2(&mut self.diag, &mut self.inv, |first, diag, inv| {
-            for (k, (d, inv)) in diag.iter_mut().zip(inv).enumerate() {
+        exec.for_each2(&mut self.sum, &mut self.inv, |first, sum, inv| {
+            for (k, (s, inv)) in sum.iter_mut().zip(inv).enumerate() {
                 let i = row[first + k];
-                *d = if i == NONE { 0.0 } else { g.diagonal(i as usize) };
+                let d = if i == NONE { 0.0 } else { g.diagonal(i as usize) };
+                *s = if i == NONE { 0.0 } else { g.sum[i as usize] };
                 // A null row is one of a singular system's pieces shrunk to a point: left alone.
-                *inv = if *d != 0.0 && (1.0 / *d).is_finite() { 1.0 / *d } else { 0.0 };
+                *inv = if d != 0.0 && (1.0 / d).is_finite() { 1.0 / d } else { 0.0 };
             }
         });
     }
@@ -172,7 +174,9 @@ impl Matrix {
             )
         });
     }
-    /// `v = A z`; returns what `sums` makes of each block (first slot, block of `v`).
+    /// `v = A z`; returns what `sums` makes of each block (first slot, block of `v`). Formed from
+    /// differences of `z`: where couplings differ by many decades, the strong ones would else leave
+    /// more rounding behind than the weak ones amount to.
     pub(crate) fn times<const N: usize, const K: usize>(
         &self,
         exec: &Exec,
@@ -188,22 +192,19 @@ impl Matrix {
                         let at = first + s * LANES;
                         let start = at / SLOTS * SLOTS;
                         let block = &z[start..(start + SLOTS).min(z.len())];
-                        let mut acc = [[0.0; N]; LANES];
+                        let own = lanes(z, at);
+                        let mut acc = own;
                         for lane in 0..LANES {
-                            for c in 0..N {
-                                acc[lane][c] = -self.diag[at + lane] * z[at + lane][c];
-                            }
+                            acc[lane] = acc[lane].map(|z| z * self.sum[at + lane]);
                         }
-                        self.lower.subtract(at / LANES, block, &mut acc);
-                        self.upper.subtract(at / LANES, block, &mut acc);
-                        self.outer.subtract(at / LANES, z, &mut acc);
-                        for (v, a) in v[s * LANES..].iter_mut().zip(&acc) {
-                            *v = a.map(|a| -a);
-                        }
+                        self.lower.flow(at / LANES, block, &own, &mut acc);
+                        self.upper.flow(at / LANES, block, &own, &mut acc);
+                        self.outer.flow(at / LANES, z, &own, &mut acc);
+                        v[s * LANES..(s + 1) * LANES].copy_from_slice(&acc);
                     }
-                    sums(first, v)
                 },
-            )
+            );
+            sums(first, v)
         })
     }
 

@@ -63,4 +63,24 @@ impl<C: Copy + Into<u32>> Sell<C> {
             }
         }
     }
+    /// `acc += (slice s) (z - own)`, where `own` is `z` in the slice itself: what flows between
+    /// rows, which rounds to the same number on both sides.
+    #[inline(always)]
+    pub(crate) fn flow<const N: usize>(
+        &self,
+        s: usize,
+        z: &[[f32; N]],
+        own: &[[f32; N]; LANES],
+        acc: &mut [[f32; N]; LANES],
+    ) {
+        let r = self.ptr[s] as usize..self.ptr[s + 1] as usize;
+        for (col, val) in self.col[r.clone()].iter().zip(&self.val[r]) {
+            let zs = gather(z, col);
+            for lane in 0..LANES {
+                for c in 0..N {
+                    acc[lane][c] += val[lane] * (zs[lane][c] - own[lane][c]);
+                }
+            }
+        }
+    }
 }
