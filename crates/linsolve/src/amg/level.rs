@@ -1,10 +1,12 @@
 //! One level: its matrix in slots, and the sweeps over it.
 
+use std::cmp::Ordering;
+
 use granflow_par::{Exec, wide};
 
-use super::graph::{Galerkin, Graph, NONE};
+use super::graph::{Galerkin, Graph, NONE, clear, fill};
 use super::layout::{LANES, Layout, SLOTS};
-use super::sell::Sell;
+use super::sell::{Lanes, Sell};
 
 /// A vector of a level, in slots.
 pub(crate) type Slots<const N: usize> = Vec<[f32; N]>;
@@ -21,15 +23,20 @@ pub(crate) struct Matrix {
     /// Row sums and reciprocal diagonals.
     sum: Vec<f32>,
     inv: Vec<f32>,
+    /// Of the slice that is being built.
+    lanes: (Lanes<u16>, Lanes<u16>, Lanes<u32>),
 }
 
 impl Matrix {
-    pub(crate) fn new(g: &Graph, order: &[u32]) -> Matrix {
-        let layout = Layout::new(g, order);
-        let (mut lower, mut upper, mut outer) = (Sell::new(), Sell::new(), Sell::new());
-        let mut lo: [Vec<(u16, u32)>; LANES] = Default::default();
-        let mut up: [Vec<(u16, u32)>; LANES] = Default::default();
-        let mut out: [Vec<(u32, u32)>; LANES] = Default::default();
+    /// Takes up the pattern of `g`; the rows in `order` are cut into blocks.
+    pub(crate) fn build(&mut self, g: &Graph, order: &[u32]) {
+        let Matrix { layout, lower, upper, outer, sum, inv, lanes: (lo, up, out) } = self;
+        layout.build(g, order);
+        let slots = layout.row.len();
+        let (slices, entries) = (slots / LANES, g.col.len());
+        lower.begin(slices, entries);
+        upper.begin(slices, entries);
+        outer.begin(slices, entries);
         for (s, rows) in layout.row.chunks_exact(LANES).enumerate() {
             lo.iter_mut().for_each(Vec::clear);
             up.iter_mut().for_each(Vec::clear);
@@ -43,19 +50,19 @@ impl Matrix {
                     let within = (to % SLOTS) as u16;
                     let same = to / SLOTS == s * LANES / SLOTS;
                     match (to / LANES).cmp(&s) {
-                        std::cmp::Ordering::Less if same => lo[lane].push((within, k as u32)),
-                        std::cmp::Ordering::Greater if same => up[lane].push((within, k as u32)),
+                        Ordering::Less if same => lo[lane].push((within, k as u32)),
+                        Ordering::Greater if same => up[lane].push((within, k as u32)),
                         _ => out[lane].push((to as u32, k as u32)),
                     }
                 }
             }
             let own = |lane: usize| ((s * LANES + lane) % SLOTS) as u16;
-            lower.push(&lo, own);
-            upper.push(&up, own);
-            outer.push(&out, |lane| (s * LANES + lane) as u32);
+            lower.push(lo, own);
+            upper.push(up, own);
+            outer.push(out, |lane| (s * LANES + lane) as u32);
         }
-        let n = layout.row.len();
-        Matrix { layout, lower, upper, outer, sum: vec![0.0; n], inv: vec![0.0; n] }
+        fill(sum, slots, 0.0);
+        fill(inv, slots, 0.0);
     }
 
     pub(crate) fn slots(&self) -> usize {
@@ -237,32 +244,33 @@ pub(crate) struct Transfer {
 }
 
 impl Transfer {
-    /// `coarse_row` is the row in each coarse slot, `coarse_slot` the inverse.
-    pub(crate) fn new(
-        galerkin: Galerkin,
+    /// Puts into slots what the aggregates say about rows. `coarse_row` is the row in each coarse
+    /// slot, `coarse_slot` the inverse.
+    pub(crate) fn place(
+        &mut self,
         fine: &Layout,
-        parent: &[u32],
+        aggregate: &[u32],
         coarse_row: &[u32],
         coarse_slot: &[u32],
-    ) -> Transfer {
-        let up = |i: u32| match i {
+    ) {
+        let Transfer { galerkin, parent, ptr, child } = self;
+        clear(parent, fine.row.len());
+        parent.extend(fine.row.iter().map(|&i| match i {
             NONE => NONE,
-            i if parent[i as usize] == NONE => NONE,
-            i => coarse_slot[parent[i as usize] as usize],
-        };
-        let mut t =
-            Transfer { parent: fine.row.iter().map(|&i| up(i)).collect(), ..Transfer::default() };
-        t.ptr.push(0);
+            i if aggregate[i as usize] == NONE => NONE,
+            i => coarse_slot[aggregate[i as usize] as usize],
+        }));
+        clear(ptr, coarse_row.len() + 1);
+        clear(child, fine.slot.len());
+        ptr.push(0);
         for &i in coarse_row {
             if i != NONE {
-                let own = galerkin.child_ptr[i as usize] as usize
-                    ..galerkin.child_ptr[i as usize + 1] as usize;
-                t.child.extend(galerkin.child[own].iter().map(|&c| fine.slot[c as usize]));
+                child.extend(
+                    galerkin.children.of(i as usize).iter().map(|&c| fine.slot[c as usize]),
+                );
             }
-            t.ptr.push(t.child.len() as u32);
+            ptr.push(child.len() as u32);
         }
-        t.galerkin = galerkin;
-        t
     }
     /// `coarse = P^T fine`.
     pub(crate) fn restrict<const N: usize>(

@@ -3,8 +3,11 @@
 
 use granflow_par::{Exec, gather};
 
-use super::graph::NONE;
+use super::graph::{NONE, clear};
 use super::layout::LANES;
+
+/// Couplings `(column, entry of the graph)` of each row of a slice.
+pub(crate) type Lanes<C> = [Vec<(C, u32)>; LANES];
 
 /// Couplings by slices; `C` is the type of a column.
 #[derive(Debug, Default)]
@@ -17,11 +20,18 @@ pub(crate) struct Sell<C> {
 }
 
 impl<C: Copy + Default> Sell<C> {
-    pub(crate) fn new() -> Self {
-        Sell { ptr: vec![0], col: Vec::new(), val: Vec::new(), src: Vec::new() }
+    /// Empties it, for `slices` slices of some of `entries` couplings.
+    pub(crate) fn begin(&mut self, slices: usize, entries: usize) {
+        // Memory that is not written costs nothing.
+        let groups = 2 * entries / LANES + slices;
+        clear(&mut self.ptr, slices + 1);
+        self.ptr.push(0);
+        clear(&mut self.col, groups);
+        clear(&mut self.val, groups);
+        clear(&mut self.src, groups);
     }
     /// Appends a slice of the couplings `(column, entry of the graph)` of each lane.
-    pub(crate) fn push(&mut self, lanes: &[Vec<(C, u32)>; LANES], own: impl Fn(usize) -> C) {
+    pub(crate) fn push(&mut self, lanes: &Lanes<C>, own: impl Fn(usize) -> C) {
         let width = lanes.iter().map(Vec::len).max().unwrap_or(0);
         for k in 0..width {
             // Padding points at the row itself, which is in the cache anyway.
