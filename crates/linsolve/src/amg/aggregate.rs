@@ -11,9 +11,9 @@ use super::quality::Quality;
 /// A row whose off-diagonals sum to less than this part of its diagonal needs no coarse correction.
 const DOMINANT: f32 = 0.6;
 /// Rows of an aggregate at most.
-const MOST: usize = 16;
+const MOST: usize = 12;
 /// Partners looked at before a row is left alone.
-const TRIES: usize = 4;
+const TRIES: usize = 2;
 /// A later candidate must be better by this factor: rounding must not choose.
 const CLEARLY: f32 = 0.9999;
 
@@ -139,8 +139,11 @@ impl Aggregator {
                     best = (pair, Some(j));
                 }
             }
-            let j = best.1.filter(|_| best.0 <= 2.0 * worst)?;
-            if self.good(g, i, j, worst) {
+            let j = best.1.filter(|_| best.0 <= worst)?;
+            // Two rows vary in no other way than against each other; they are to grow on.
+            let two = self.groups.of(i).len() == 1 && self.groups.of(j).len() == 1 && free;
+            let good = if two { best.0 <= 0.5 * worst } else { self.good(g, i, j, worst) };
+            if good {
                 return Some(j);
             }
             refused[k] = j as u32;
@@ -148,11 +151,11 @@ impl Aggregator {
         None
     }
 
-    /// The quality of two aggregates joined, if nothing varied within each.
+    /// The quality of two aggregates joined, if nothing varied within each: it is no better.
     fn rigid(&self, i: usize, j: usize, coupling: f32) -> f32 {
         let series = |a: f32, b: f32| if a > 0.0 && b > 0.0 { a * b / (a + b) } else { 0.0 };
         let held = coupling + series(self.mid.sum[i], self.mid.sum[j]);
-        2.0 * series(self.weight[i], self.weight[j]) / held
+        series(self.weight[i], self.weight[j]) / held
     }
 
     /// Whether `i` and what `j` has joined so far make a good aggregate.

@@ -73,14 +73,25 @@ impl Matrix {
         self.lower.refresh(exec, &g.val);
         self.upper.refresh(exec, &g.val);
         self.outer.refresh(exec, &g.val);
-        let row = &self.layout.row;
-        exec.for_each2(&mut self.sum, &mut self.inv, |first, sum, inv| {
-            for (k, (s, inv)) in sum.iter_mut().zip(inv).enumerate() {
-                let i = row[first + k];
-                let d = if i == NONE { 0.0 } else { g.diagonal(i as usize) };
+        let Matrix { layout, lower, upper, outer, sum, inv, .. } = self;
+        exec.for_each(sum, |first, sum| {
+            for (s, &i) in sum.iter_mut().zip(&layout.row[first..]) {
                 *s = if i == NONE { 0.0 } else { g.sum[i as usize] };
-                // A null row is one of a singular system's pieces shrunk to a point: left alone.
-                *inv = if d != 0.0 && (1.0 / d).is_finite() { 1.0 / d } else { 0.0 };
+            }
+        });
+        exec.for_each_block(inv, SLOTS, |first, inv| {
+            for (k, inv) in inv.chunks_exact_mut(LANES).enumerate() {
+                let at = first + k * LANES;
+                let mut d: [f64; LANES] = std::array::from_fn(|lane| f64::from(sum[at + lane]));
+                lower.diagonal(at / LANES, &mut d);
+                upper.diagonal(at / LANES, &mut d);
+                outer.diagonal(at / LANES, &mut d);
+                for (inv, d) in inv.iter_mut().zip(d) {
+                    // A null row is one of a singular system's pieces shrunk to a point (or no
+                    // row): left alone.
+                    let one_over = 1.0 / d as f32;
+                    *inv = if one_over.is_finite() { one_over } else { 0.0 };
+                }
             }
         });
     }

@@ -55,6 +55,12 @@ impl<C: Copy + Default> Sell<C> {
 }
 
 impl<C: Copy + Into<u32>> Sell<C> {
+    /// `d -= ` sums of the rows of slice `s`.
+    pub(crate) fn diagonal(&self, s: usize, d: &mut [f64; LANES]) {
+        for val in &self.val[self.ptr[s] as usize..self.ptr[s + 1] as usize] {
+            (0..LANES).for_each(|lane| d[lane] -= f64::from(val[lane]));
+        }
+    }
     /// `acc -= (slice s) z`.
     #[inline(always)]
     pub(crate) fn subtract<const N: usize>(
