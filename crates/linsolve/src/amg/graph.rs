@@ -2,7 +2,7 @@
 //! sum of each row. The diagonal is `row sum - off-diagonals`, which keeps single precision free of
 //! cancellation: coarse row sums are sums of fine ones.
 
-use granflow_par::Exec;
+use granflow_par::{Exec, large_pages};
 
 use crate::csr::Csr;
 
@@ -18,6 +18,7 @@ pub(crate) fn clear<T>(v: &mut Vec<T>, n: usize) {
     v.clear();
     if v.capacity() < n {
         v.reserve_exact(n + n / 4);
+        large_pages(v);
     }
 }
 /// As [`clear`], and fills it with `n` times `x`.

@@ -212,8 +212,8 @@ impl Matrix {
                         let block = &z[start..(start + SLOTS).min(z.len())];
                         let own = lanes(z, at);
                         let mut acc = own;
-                        for lane in 0..LANES {
-                            acc[lane] = acc[lane].map(|z| z * self.sum[at + lane]);
+                        for (z, sum) in acc.iter_mut().zip(&self.sum[at..]) {
+                            *z = z.map(|z| z * sum);
                         }
                         self.lower.flow(at / LANES, block, &own, &mut acc);
                         self.upper.flow(at / LANES, block, &own, &mut acc);
