@@ -19,25 +19,25 @@ pub use step::{Derived, Flow};
 use granflow_linsolve::{SolveError, Solved};
 
 /// As [`settle`] for a correction `x` whose matrix is positive by construction: where conjugate
-/// gradients find that it is not, the right-hand side of a singular system is nothing but
-/// rounding, and there is nothing to correct.
+/// gradients find that it is not, or that only rounding is left, the right-hand side of a singular
+/// system is nothing but rounding, and there is nothing to correct.
 fn settle_correction(
     result: Result<Solved, SolveError>,
     x: &mut [f64],
 ) -> Result<Solved, SolveError> {
-    match settle(result) {
-        Err(SolveError::NotPositiveDefinite { iteration }) => {
-            x.fill(0.0);
-            Ok(Solved { iterations: iteration, first: 0.0, last: 0.0 })
-        }
-        other => other,
-    }
+    let iterations = match result {
+        Err(SolveError::NotPositiveDefinite { iteration }) => iteration,
+        Err(SolveError::Spent(solved)) => solved.iterations,
+        other => return settle(other),
+    };
+    x.fill(0.0);
+    Ok(Solved { iterations, first: 0.0, last: 0.0 })
 }
 
 /// A solver that ran out of iterations has still made progress: the residuals of the step judge.
 fn settle(result: Result<Solved, SolveError>) -> Result<Solved, SolveError> {
     match result {
-        Err(SolveError::NotConverged(solved)) => Ok(solved),
+        Err(SolveError::NotConverged(solved) | SolveError::Spent(solved)) => Ok(solved),
         other => other,
     }
 }

@@ -145,56 +145,54 @@ impl<T: Value, M: Method<T>> LinearSolver<T> for Iteration<T, M> {
         let ended = iterate(method, &mut system, tol.max_iter);
         let System { judge, x, .. } = system;
         a.halo.update(exec, x);
-        ended.and_then(|converged| match converged {
-            true => judge.finish(),
-            false => Err(SolveError::NotConverged(judge.solved)),
+        ended.and_then(|end| match end {
+            End::Converged => judge.finish(),
+            End::Exhausted => Err(SolveError::NotConverged(judge.solved)),
+            End::Spent => Err(SolveError::Spent(judge.solved)),
         })
     }
 }
 
-/// Steps until the residual is small enough (`true`), or no step can make it so.
+/// How a run of steps ended.
+#[derive(Clone, Copy, PartialEq)]
+enum End {
+    Converged,
+    Exhausted,
+    Spent,
+}
+
+/// Steps until the residual is small enough, or no step can make it so.
 fn iterate<T: Value, M: Method<T>>(
     method: &mut M,
     system: &mut System<'_, T>,
     most: usize,
-) -> Result<bool, SolveError> {
+) -> Result<End, SolveError> {
     let (exec, n) = (system.exec, system.r.len());
     let numbers = exec.sum(n, |r| r.len() as f64) * T::N as f64;
     let mut size = exec.sum(n, |s| system.r[s].iter().map(|r| one_norm(*r)).sum());
-    let mut outcome = Ok(false);
-    let mut done = most;
-    for it in 1..=most {
-        system.size = size / numbers;
-        let judged = match method.step(it, system) {
-            Ok(Step::Reached(new)) => {
-                size = new;
-                system.judge.record(it, size)
+    let mut steps = || {
+        for it in 1..=most {
+            system.size = size / numbers;
+            match method.step(it, system)? {
+                Step::Reached(new) => size = new,
+                Step::Anew => continue,
+                Step::Spent => return Ok(End::Spent),
             }
-            Ok(Step::Anew) => Ok(false),
-            // Not to be told to the preconditioner, whose fault it is not.
-            Ok(Step::Spent) => {
-                done = 0;
-                break;
-            }
-            Err(e) => Err(e),
-        };
-        match judged {
-            Ok(false) => {}
-            end => {
-                (outcome, done) = (end, it);
-                break;
+            if system.judge.record(it, size)? {
+                return Ok(End::Converged);
             }
         }
+        Ok(End::Exhausted)
+    };
+    let end = steps();
+    let Solved { iterations, first, last } = system.judge.solved;
+    if let Some(guess) = method.guess().filter(|_| end.is_err() || last > first) {
+        system.x[..n].copy_from_slice(guess);
+        system.judge.solved.last = first;
     }
-    if let Some(guess) = method.guess().filter(|_| outcome != Ok(true)) {
-        let worse = system.judge.solved.last > system.judge.solved.first;
-        if outcome.is_err() || worse {
-            system.x[..n].copy_from_slice(guess);
-            system.judge.solved.last = system.judge.solved.first;
-        }
+    // Rounding is not the fault of the preconditioner.
+    if matches!(end, Ok(End::Converged | End::Exhausted)) {
+        system.precond.took(iterations, system.judge.decades());
     }
-    if outcome.is_ok() {
-        system.precond.took(done, system.judge.decades());
-    }
-    outcome
+    end
 }

@@ -250,7 +250,9 @@ impl Ngf {
         solver.refresh(exec, &self.eqn.a).map_err(failed)?;
         let tolerance = &self.numerics.tolerance;
         match solver.solve(exec, &self.eqn.a, &self.eqn.b, &mut self.step, tolerance) {
-            Ok(done) | Err(SolveError::NotConverged(done)) => Ok(done.iterations),
+            Ok(done) | Err(SolveError::NotConverged(done) | SolveError::Spent(done)) => {
+                Ok(done.iterations)
+            }
             Err(e) => Err(failed(e)),
         }
     }
