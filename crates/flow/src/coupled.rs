@@ -357,7 +357,7 @@ fn settle<T: Value>(
     x: &mut [T],
 ) -> Result<Solved, SolveError> {
     match result {
-        Err(SolveError::NotConverged(solved)) => Ok(solved),
+        Err(SolveError::NotConverged(solved) | SolveError::Spent(solved)) => Ok(solved),
         Err(SolveError::NotPositiveDefinite { iteration }) => {
             x.fill(T::ZERO);
             Ok(Solved { iterations: iteration, first: 0.0, last: 0.0 })

@@ -23,20 +23,19 @@ pub use step::{Derived, Flow};
 
 use granflow_linsolve::{SolveError, Solved};
 
-/// As [`settle`] for a correction `x` whose matrix is positive by construction: where conjugate
-/// gradients find that it is not, the right-hand side of a singular system is nothing but
-/// rounding, and there is nothing to correct.
+/// As [`settle`] for a correction `x`: where only rounding is left to correct, there is nothing to
+/// correct.
 fn settle_correction(
     result: Result<Solved, SolveError>,
     x: &mut [f64],
     count: &mut SolveCount,
 ) -> Result<Solved, SolveError> {
-    match settle(result, count) {
-        Err(SolveError::NotPositiveDefinite { iteration }) => {
+    match result {
+        Err(SolveError::Spent(solved)) => {
             x.fill(0.0);
-            Ok(Solved { iterations: iteration, first: 0.0, last: 0.0 })
+            Ok(Solved { iterations: solved.iterations, first: 0.0, last: 0.0 })
         }
-        other => other,
+        other => settle(other, count),
     }
 }
 
@@ -52,6 +51,7 @@ fn settle(
             count.unconverged += 1;
             Ok(solved)
         }
+        Err(SolveError::Spent(solved)) => Ok(solved),
         other => other,
     }
 }

@@ -10,6 +10,7 @@ mod amg;
 mod bicgstab;
 mod csr;
 mod incomplete;
+mod iteration;
 mod pcg;
 mod precond;
 mod registry;

@@ -9,9 +9,10 @@ use crate::amg;
 use crate::bicgstab::BiCgStab;
 use crate::csr::Csr;
 use crate::incomplete::Incomplete;
-use crate::pcg::Pcg;
+use crate::iteration::Iteration;
+use crate::pcg::ConjugateGradients;
 use crate::precond::{Diagonal, Identity, Precond};
-use crate::smooth::Smooth;
+use crate::smooth::Sweeps;
 use crate::solver::{LinearSolver, SolveError, Solved, Tolerance};
 
 /// What a name stands for.
@@ -158,11 +159,11 @@ pub fn build<T: Value>(spec: &SolverSpec) -> Result<Box<dyn LinearSolver<T>>, Un
     let smoother = spec.smoother.as_deref().unwrap_or("symGaussSeidel");
     let smoother = precond(Kind::Smoother, smoother)?;
     Ok(match solver {
-        "PCG" => Box::new(Pcg::new("PCG", preconditioner)),
-        "PBiCGStab" => Box::new(BiCgStab::new("PBiCGStab", preconditioner)),
+        "PCG" => Box::new(Iteration::<T, ConjugateGradients<T>>::new("PCG", preconditioner)),
+        "PBiCGStab" => Box::new(Iteration::<T, BiCgStab<T>>::new("PBiCGStab", preconditioner)),
         "GAMG" => gamg(),
-        "smoothSolver" => Box::new(Smooth::new("smoothSolver", smoother)),
-        _ => Box::new(Smooth::new("diagonal", Box::<Diagonal>::default())),
+        "smoothSolver" => Box::new(Iteration::<T, Sweeps>::new("smoothSolver", smoother)),
+        _ => Box::new(Iteration::<T, Sweeps>::new("diagonal", Box::<Diagonal>::default())),
     })
 }
 
@@ -170,9 +171,9 @@ pub fn build<T: Value>(spec: &SolverSpec) -> Result<Box<dyn LinearSolver<T>>, Un
 /// refresh), else stabilised bi-conjugate gradients.
 pub fn gamg<T: Value>() -> Box<dyn LinearSolver<T>> {
     Box::new(Gamg {
-        cg: Pcg::new("GAMG", amg::multigrid()),
-        stab: BiCgStab::new("GAMG", amg::multigrid()),
-        rescue: BiCgStab::new("GAMG", Box::<Incomplete>::default()),
+        cg: Iteration::new("GAMG", amg::multigrid()),
+        stab: Iteration::new("GAMG", amg::multigrid()),
+        rescue: Iteration::new("GAMG", Box::<Incomplete>::default()),
         symmetric: None,
         u: Vec::new(),
         v: Vec::new(),
@@ -180,11 +181,11 @@ pub fn gamg<T: Value>() -> Box<dyn LinearSolver<T>> {
 }
 
 struct Gamg<T: Value> {
-    cg: Pcg<T>,
-    stab: BiCgStab<T>,
+    cg: Iteration<T, ConjugateGradients<T>>,
+    stab: Iteration<T, BiCgStab<T>>,
     /// In double precision throughout: takes over where coefficients vary so much that the
     /// hierarchy's single precision loses positivity.
-    rescue: BiCgStab<T>,
+    rescue: Iteration<T, BiCgStab<T>>,
     symmetric: Option<bool>,
     u: Vec<f64>,
     v: Vec<f64>,

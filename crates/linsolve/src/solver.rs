@@ -54,6 +54,11 @@ pub enum SolveError {
     #[error("no convergence in {} iterations: residual {:.3e}, at first {:.3e}",
         .0.iterations, .0.last, .0.first)]
     NotConverged(Solved),
+    /// The curvature along the next direction, or the residual itself, is nothing but rounding:
+    /// all is gained that can be, and the best solution found is left in place.
+    #[error("nothing but rounding is left after {} iterations: residual {:.3e}, at first {:.3e}",
+        .0.iterations, .0.last, .0.first)]
+    Spent(Solved),
     /// A row has no diagonal to divide by.
     #[error("row {row} has a zero diagonal")]
     ZeroDiagonal {

@@ -120,7 +120,7 @@ impl Judge {
     fn normalised(&self, size: f64) -> f64 {
         if size <= self.noise { 0.0 } else { size / self.norm }
     }
-    fn done_at(&self, size: f64) -> bool {
+    pub(crate) fn done_at(&self, size: f64) -> bool {
         size <= self.goal.max(self.noise)
     }
     /// Whether the guess was good enough.
@@ -138,7 +138,7 @@ impl Judge {
     }
     /// Reduction of the residual so far, in powers of ten.
     pub(crate) fn decades(&self) -> f64 {
-        (self.solved.first / self.solved.last.max(f64::MIN_POSITIVE)).log10()
+        (self.solved.first / self.solved.last.max(self.noise / self.norm)).log10()
     }
     /// The verdict of a solve that met its goal.
     pub(crate) fn finish(&self) -> Result<Solved, SolveError> {
@@ -147,5 +147,20 @@ impl Judge {
             return Err(SolveError::NotConverged(Solved { last, ..self.solved }));
         }
         Ok(self.solved)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_residual_lost_in_noise_is_no_miracle() {
+        let (noise, solved) = (1e-9, Solved { iterations: 0, first: 1e-2, last: 1e-2 });
+        let mut judge =
+            Judge { norm: 10.0, goal: 0.0, noise, singular: false, missed: 0.0, solved };
+        assert_eq!(judge.record(5, 1e-12), Ok(true));
+        assert_eq!(judge.solved.last, 0.0);
+        assert!((judge.decades() - 8.0).abs() < 1e-9, "{}", judge.decades());
     }
 }

@@ -76,4 +76,34 @@ fn a_second_refresh_and_solve_allocate_nothing() {
             assert_eq!(second_solve(&exec, &pressure, &b, words), 0, "{words:?} {threads}");
         }
     }
+    rebuilds_allocate_nothing();
+}
+
+/// Values that jump between two matrices, so that each needs aggregates of its own.
+fn rebuilds_allocate_nothing() {
+    let exec = Exec::serial();
+    let g = Grid { n: [24, 22, 20], fixed: true, periodic: false };
+    let (mut a, b) = (laplacian(g), rhs(g.cells()));
+    let values =
+        [matrix(g, |_| 1.0, [1.0, 1.0, 1e4], 0.0), matrix(g, |_| 1.0, [1e4, 1.0, 1.0], 0.0)];
+    let spec = SolverSpec { solver: "GAMG".into(), ..SolverSpec::default() };
+    let mut s = build::<f64>(&spec).unwrap();
+    let tol = Tolerance { abs: 1e-8, rel: 0.0, max_iter: 400 };
+    let mut x = vec![0.0; a.cols()];
+    for round in 0..4 {
+        for (k, new) in values.iter().enumerate() {
+            a.val.clone_from(&new.val);
+            let before = ALLOCATIONS.load(Ordering::Relaxed);
+            let iterations = [0, 1].map(|_| {
+                s.refresh(&exec, &a).unwrap();
+                x.fill(0.0);
+                s.solve(&exec, &a, &b, &mut x, &tol).unwrap().iterations
+            });
+            let counted = ALLOCATIONS.load(Ordering::Relaxed) - before;
+            // Slow with the aggregates of the other matrix, fast after a rebuild.
+            let rebuilt = iterations[0] > 60 && iterations[1] < 30;
+            assert!(rebuilt || (round, k) == (0, 0), "{round} {k} {iterations:?}");
+            assert!(counted == 0 || round < 1, "{round} {k}: {counted} allocations");
+        }
+    }
 }

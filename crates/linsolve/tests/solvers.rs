@@ -426,3 +426,68 @@ fn a_refreshed_hierarchy_serves_the_new_values() {
     let (done, _) = check(&exec, &mut *s, &a, &rhs(a.rows()));
     assert!(done.iterations < 60, "{done:?}");
 }
+
+/// Jumps of eight decades and no fixed value: near the solution every product is a difference of
+/// large numbers.
+#[test]
+fn a_solved_singular_system_is_not_called_indefinite() {
+    let exec = Exec::serial();
+    let g = Grid { n: [20, 18, 16], fixed: false, periodic: false };
+    let layers = move |c: [usize; 3]| if (c[2] / 4).is_multiple_of(2) { 1e-8 } else { 1.0 };
+    for a in [matrix(g, layers, [1.0; 3], 0.0), matrix(g, |_| 1.0, [1.0, 1.0, 1e8], 0.0)] {
+        let b = balanced(a.rows());
+        for words in ["PCG+DIC", "PCG+diagonal", "PCG+GAMG"] {
+            let mut s = solver::<f64>(words);
+            let mut x = vec![0.0; a.cols()];
+            // Asked for more than there is, again from what came out.
+            let tol = Tolerance { abs: 0.0, rel: 0.0, max_iter: 300 };
+            for _ in 0..3 {
+                let done = s.solve(&exec, &a, &b, &mut x, &tol);
+                assert!(
+                    matches!(done, Ok(_) | Err(SolveError::NotConverged(_) | SolveError::Spent(_))),
+                    "{words}: {done:?}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn an_indefinite_matrix_is_called_so() {
+    let exec = Exec::serial();
+    let mut a = laplacian(Grid::cube(10));
+    (0..a.rows()).for_each(|i| a.val[a.diag[i] as usize] -= 3.0);
+    let b = rhs(a.rows());
+    for words in ["PCG+none", "PCG+diagonal"] {
+        let e = solver::<f64>(words).solve(&exec, &a, &b, &mut vec![0.0; a.cols()], &TIGHT);
+        assert!(matches!(e, Err(SolveError::NotPositiveDefinite { .. })), "{words}: {e:?}");
+    }
+}
+
+/// A turn by a right angle sends every residual where it has no part of itself: the recurrences
+/// cannot begin, and no iteration is spent on them.
+#[test]
+fn a_breakdown_from_the_start_ends_the_solve() {
+    let (ptr, col) = (vec![0, 2, 4], vec![0, 1, 0, 1]);
+    let a = Csr::scalar(ptr, col, vec![1e-30, 1.0, -1.0, 1e-30], vec![0, 3]);
+    let mut x = vec![0.0; 2];
+    let e = solver::<f64>("PBiCGStab+none").solve(&Exec::serial(), &a, &[1.0, 2.0], &mut x, &TIGHT);
+    let Err(SolveError::Spent(s)) = e else { panic!("{e:?}") };
+    assert_eq!((s.last, x), (s.first, vec![0.0; 2]));
+}
+
+/// Where aggregates of the wrong shape, or too large ones, cost hundreds of iterations.
+#[test]
+fn multigrid_needs_few_iterations_for_thin_cells_and_huge_contrast() {
+    let exec = Exec::serial();
+    let tol = Tolerance { abs: 1e-8, rel: 0.0, max_iter: 400 };
+    let mut worst = 0;
+    for (name, a) in hard() {
+        let b = balanced(a.rows());
+        let mut x = vec![0.0; a.cols()];
+        let done = gamg::<f64>().solve(&exec, &a, &b, &mut x, &tol);
+        println!("{name:40} {done:?}");
+        worst = worst.max(done.map_or(400, |s| s.iterations));
+    }
+    assert!(worst < 40, "{worst} iterations");
+}

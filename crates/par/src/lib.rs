@@ -9,10 +9,14 @@ mod comm;
 mod exec;
 mod halo;
 mod in_process;
+mod pages;
 mod rows;
 mod team;
+mod wide;
 
 pub use comm::{Comm, Solo};
 pub use exec::{BLOCK, Exec};
 pub use halo::{Halo, Link};
 pub use in_process::InProcess;
+pub use pages::large_pages;
+pub use wide::{gather, wide};

@@ -1,96 +1,178 @@
-//! Aggregates by repeated pairwise matching along the strongest couplings (Notay 2010, An
-//! aggregation-based algebraic multigrid method, ETNA 37).
+//! Aggregates by repeated pairwise matching, each checked for its quality (Napov and Notay 2012,
+//! An algebraic multigrid method with guaranteed convergence rate, SIAM J. Sci. Comput. 34).
+//!
+//! The quality of a set of rows `G` is the largest `v.D(v - mean v) / v.A_G v`, where `A_G` keeps
+//! the couplings within the set: how much worse than on its coarse unknown the matrix acts on what
+//! varies within. Lines of strong couplings give aggregates of 4, isotropic ones of 8.
 
-use granflow_par::Exec;
+use super::graph::{Graph, Groups, NONE, clear, fill};
+use super::quality::Quality;
 
-use super::graph::{Galerkin, Graph, NONE};
-
-/// A pair is made only along couplings of at least this part of the row's strongest.
-const STRONG: f32 = 0.25;
 /// A row whose off-diagonals sum to less than this part of its diagonal needs no coarse correction.
 const DOMINANT: f32 = 0.6;
-/// A row left alone joins a pair that holds at least this part of its couplings.
-const HANGS: f32 = 0.3;
+/// Rows of an aggregate at most.
+const MOST: usize = 12;
+/// Partners looked at before a row is left alone.
+const TRIES: usize = 2;
+/// A later candidate must be better by this factor: rounding must not choose.
+const CLEARLY: f32 = 0.9999;
 
-/// The aggregate of each row ([`NONE`]: none) and their number, after `passes` rounds of pairing
-/// (up to `2^passes` rows each).
-pub(crate) fn aggregate(g: &Graph, passes: usize, finest: bool) -> (Vec<u32>, usize) {
-    let skip = |i: usize| {
-        let off: f32 = g.row(i).map(|(_, v)| v.abs()).sum();
-        off < DOMINANT * g.diagonal(i)
-    };
-    let (mut parent, mut n) = pair(g, |i| finest && skip(i));
-    let exec = Exec::serial();
-    for _ in 1..passes {
-        let (galerkin, mut mid) = Galerkin::build(g, &parent, n);
-        galerkin.refresh(&exec, g, &mut mid);
-        let (up, m) = pair(&mid, |_| false);
-        parent.iter_mut().filter(|p| **p != NONE).for_each(|p| *p = up[*p as usize]);
-        n = m;
-    }
-    (parent, n)
+/// Finds aggregates, in memory that is kept.
+#[derive(Debug, Default)]
+pub(crate) struct Aggregator {
+    /// The aggregate of each row, [`NONE`] for none.
+    pub(crate) parent: Vec<u32>,
+    /// Aggregates of the rounds before: their rows, their matrix, sums of fine diagonals.
+    groups: Groups,
+    mid: Graph,
+    weight: Vec<f32>,
+    /// One round: new aggregate of each old one, the old ones of each new one as a list.
+    joined: Vec<u32>,
+    head: Vec<u32>,
+    next: Vec<u32>,
+    alone: Vec<u32>,
+    place: Vec<u32>,
+    quality: Quality,
 }
 
-/// One round: each row joins the strongest of its neighbours that is still free. Rows left over
-/// join the pair they hang on; without this, high contrast leaves stars of rows that never shrink.
-fn pair(g: &Graph, skip: impl Fn(usize) -> bool) -> (Vec<u32>, usize) {
-    let mut parent = vec![NONE; g.rows()];
-    let out: Vec<bool> = (0..g.rows()).map(skip).collect();
-    let mut n = 0u32;
-    let mut alone = Vec::new();
-    for i in 0..g.rows() {
-        if parent[i] != NONE || out[i] {
-            continue;
+impl Aggregator {
+    /// Fills `parent` for the rows of `g` by `passes` rounds of pairing; returns the number of
+    /// aggregates. None is worse than `worst`.
+    pub(crate) fn aggregate(&mut self, g: &Graph, passes: usize, worst: f32) -> usize {
+        let n = g.rows();
+        clear(&mut self.parent, n);
+        clear(&mut self.weight, n);
+        let mut count = 0;
+        for i in 0..n {
+            let off: f32 = g.row(i).map(|(_, v)| v.abs()).sum();
+            let out = off < DOMINANT * g.diagonal(i);
+            self.parent.push(if out { NONE } else { count });
+            count += u32::from(!out);
         }
-        let strongest = g.row(i).map(|(_, v)| -v).fold(0.0, f32::max);
-        let mut best = (STRONG * strongest, None);
-        for (j, v) in g.row(i) {
-            // A later candidate must be clearly stronger: rounding must not choose.
-            let better = if best.1.is_some() { -v > best.0 * 1.0001 } else { -v >= best.0 };
-            if parent[j] == NONE && !out[j] && better && v < 0.0 {
-                best = (-v, Some(j));
+        self.quality.begin(n);
+        for _ in 0..passes {
+            self.groups.sort(&self.parent, count as usize);
+            self.mid.collapse(g, &self.parent, &self.groups, &mut self.place);
+            self.weight.clear();
+            let diagonals = |i| self.groups.of(i).iter().map(|&c| g.diagonal(c as usize)).sum();
+            self.weight.extend((0..count as usize).map(|i| -> f32 { diagonals(i) }));
+            let before = count;
+            count = self.pair(g, worst);
+            let joined = &self.joined;
+            let held = self.parent.iter_mut().filter(|p| **p != NONE);
+            held.for_each(|p| *p = joined[*p as usize]);
+            if count == before {
+                break;
             }
         }
-        match best.1 {
-            Some(j) => {
-                (parent[i], parent[j]) = (n, n);
-                n += 1;
-            }
-            None => alone.push(i),
-        }
+        count as usize
     }
-    // Decided before any of them moves: a row joins a pair, never another that was left over.
-    let home: Vec<u32> = alone.iter().map(|&i| home(g, &parent, i)).collect();
-    for (&i, &p) in alone.iter().zip(&home) {
-        parent[i] = if p == NONE { n } else { p };
-        n += u32::from(p == NONE);
-    }
-    // Numbered in the order of their first rows, which keeps neighbours close.
-    let mut number = vec![NONE; n as usize];
-    let mut next = 0;
-    for p in parent.iter_mut().filter(|p| **p != NONE) {
-        let new = &mut number[*p as usize];
-        if *new == NONE {
-            *new = next;
-            next += 1;
-        }
-        *p = *new;
-    }
-    (parent, n as usize)
-}
 
-/// The pair that row `i` hangs on, if any.
-fn home(g: &Graph, parent: &[u32], i: usize) -> u32 {
-    let total: f32 = g.row(i).map(|(_, v)| v.abs()).sum();
-    let mut best = (HANGS * total, NONE);
-    for (j, v) in g.row(i).filter(|(j, _)| parent[*j] != NONE) {
-        let p = parent[j];
-        let held: f32 = g.row(i).filter(|(k, _)| parent[*k] == p).map(|(_, v)| -v).sum();
-        if v < 0.0 && held > best.0 * 1.0001 {
-            best = (held, p);
+    /// One round: each aggregate joins the one among its neighbours, still free, with which it is
+    /// at its best. Those left over join a pair if that stays good: without this, high contrast
+    /// leaves stars of rows that never shrink.
+    fn pair(&mut self, g: &Graph, worst: f32) -> u32 {
+        let n = self.mid.rows();
+        fill(&mut self.joined, n, NONE);
+        fill(&mut self.next, n, NONE);
+        clear(&mut self.head, n);
+        clear(&mut self.alone, n);
+        for i in 0..n {
+            if self.joined[i] != NONE {
+                continue;
+            }
+            match self.partner(g, i, worst, true) {
+                Some(j) => {
+                    let new = self.head.len() as u32;
+                    (self.joined[i], self.joined[j]) = (new, new);
+                    self.head.push(i as u32);
+                    self.next[i] = j as u32;
+                }
+                None => self.alone.push(i as u32),
+            }
         }
+        for k in 0..self.alone.len() {
+            let i = self.alone[k] as usize;
+            // A later row may have taken what an earlier one gave up.
+            if self.joined[i] != NONE {
+                continue;
+            }
+            match self.partner(g, i, worst, false) {
+                Some(j) => {
+                    self.joined[i] = self.joined[j];
+                    let head = &mut self.head[self.joined[j] as usize];
+                    self.next[i] = std::mem::replace(head, i as u32);
+                }
+                None => {
+                    self.joined[i] = self.head.len() as u32;
+                    self.head.push(i as u32);
+                }
+            }
+        }
+        // Numbered in the order of their first rows, which keeps neighbours close.
+        let number = &mut self.place;
+        fill(number, self.head.len(), NONE);
+        let mut count = 0;
+        for p in &mut self.joined {
+            let new = &mut number[*p as usize];
+            if *new == NONE {
+                *new = count;
+                count += 1;
+            }
+            *p = *new;
+        }
+        count
     }
-    best.1
+
+    /// The best partner of aggregate `i`, among those that are free or those that are not.
+    fn partner(&mut self, g: &Graph, i: usize, worst: f32, free: bool) -> Option<usize> {
+        let mut refused = [NONE; TRIES];
+        for k in 0..TRIES {
+            let mut best = (f32::INFINITY, None);
+            for (j, v) in self.mid.row(i) {
+                let open = (self.joined[j] == NONE) == free && j != i;
+                if !open || v >= 0.0 || refused.contains(&(j as u32)) {
+                    continue;
+                }
+                let pair = self.rigid(i, j, -v);
+                if pair < CLEARLY * best.0 {
+                    best = (pair, Some(j));
+                }
+            }
+            let j = best.1.filter(|_| best.0 <= worst)?;
+            // Two rows vary in no other way than against each other; they are to grow on.
+            let two = self.groups.of(i).len() == 1 && self.groups.of(j).len() == 1 && free;
+            let good = if two { best.0 <= 0.5 * worst } else { self.good(g, i, j, worst) };
+            if good {
+                return Some(j);
+            }
+            refused[k] = j as u32;
+        }
+        None
+    }
+
+    /// The quality of two aggregates joined, if nothing varied within each: it is no better.
+    fn rigid(&self, i: usize, j: usize, coupling: f32) -> f32 {
+        let series = |a: f32, b: f32| if a > 0.0 && b > 0.0 { a * b / (a + b) } else { 0.0 };
+        let held = coupling + series(self.mid.sum[i], self.mid.sum[j]);
+        series(self.weight[i], self.weight[j]) / held
+    }
+
+    /// Whether `i` and what `j` has joined so far make a good aggregate.
+    fn good(&mut self, g: &Graph, i: usize, j: usize, worst: f32) -> bool {
+        let quality = &mut self.quality;
+        quality.clear();
+        self.groups.of(i).iter().for_each(|&r| quality.add(r));
+        let mut at = match self.joined[j] {
+            NONE => j as u32,
+            new => self.head[new as usize],
+        };
+        while at != NONE {
+            self.groups.of(at as usize).iter().for_each(|&r| quality.add(r));
+            at = self.next[at as usize];
+        }
+        quality.size() <= MOST && quality.within(g, worst)
+    }
 }
 
 #[cfg(test)]
@@ -116,12 +198,27 @@ mod tests {
             g.ptr.push(g.col.len() as u32);
             g.sum.push(0.0);
         }
-        let (parent, count) = aggregate(&g, 1, true);
+        let mut made = Aggregator::default();
+        let count = made.aggregate(&g, 1, 8.0);
+        let parent = &made.parent;
         assert_eq!(parent[1], parent[2]);
         assert_ne!(parent[2], parent[3]);
         // The two ends have nobody left but the pair next to them.
         assert_eq!((count, parent[0], parent[n - 1]), (7, parent[1], parent[n - 2]));
-        let (_, count) = aggregate(&g, 2, true);
-        assert!(count <= 4, "{count}");
+    }
+
+    /// A chain of equal couplings: four rows vary little enough, eight would not.
+    #[test]
+    fn chains_are_cut_in_fours() {
+        let mut g = Graph { ptr: vec![0], ..Graph::default() };
+        for i in 0..64u32 {
+            for j in [i.wrapping_sub(1), i + 1].into_iter().filter(|j| *j < 64) {
+                g.col.push(j);
+                g.val.push(-1.0);
+            }
+            g.ptr.push(g.col.len() as u32);
+            g.sum.push(0.0);
+        }
+        assert_eq!(Aggregator::default().aggregate(&g, 4, 8.0), 16);
     }
 }

@@ -1,6 +1,6 @@
 //! The coarsest level: a dense inverse.
 
-use super::graph::Graph;
+use super::graph::{Graph, fill};
 
 /// A pivot below this part of its diagonal belongs to a null vector: that unknown is pinned.
 const NULL: f64 = 1e-12;
@@ -15,8 +15,12 @@ pub(crate) struct Dense {
 }
 
 impl Dense {
-    pub(crate) fn new(n: usize) -> Dense {
-        Dense { n, lu: vec![0.0; n * n], inv: vec![0.0; n * n], column: vec![0.0; n] }
+    /// Makes room for a matrix of `n` rows.
+    pub(crate) fn resize(&mut self, n: usize) {
+        self.n = n;
+        fill(&mut self.lu, n * n, 0.0);
+        fill(&mut self.inv, n * n, 0.0);
+        fill(&mut self.column, n, 0.0);
     }
 
     /// Inverts the matrix of `g`. Elimination without exchange of rows, as M-matrices allow; for

@@ -1,10 +1,12 @@
 //! One level: its matrix in slots, and the sweeps over it.
 
-use granflow_par::Exec;
+use std::cmp::Ordering;
 
-use super::graph::{Galerkin, Graph, NONE};
+use granflow_par::{Exec, wide};
+
+use super::graph::{Galerkin, Graph, NONE, clear, fill};
 use super::layout::{LANES, Layout, SLOTS};
-use super::sell::Sell;
+use super::sell::{Lanes, Sell};
 
 /// A vector of a level, in slots.
 pub(crate) type Slots<const N: usize> = Vec<[f32; N]>;
@@ -18,17 +20,23 @@ pub(crate) struct Matrix {
     upper: Sell<u16>,
     /// Couplings to other blocks.
     outer: Sell<u32>,
-    diag: Vec<f32>,
+    /// Row sums and reciprocal diagonals.
+    sum: Vec<f32>,
     inv: Vec<f32>,
+    /// Of the slice that is being built.
+    lanes: (Lanes<u16>, Lanes<u16>, Lanes<u32>),
 }
 
 impl Matrix {
-    pub(crate) fn new(g: &Graph, order: &[u32]) -> Matrix {
-        let layout = Layout::new(g, order);
-        let (mut lower, mut upper, mut outer) = (Sell::new(), Sell::new(), Sell::new());
-        let mut lo: [Vec<(u16, u32)>; LANES] = Default::default();
-        let mut up: [Vec<(u16, u32)>; LANES] = Default::default();
-        let mut out: [Vec<(u32, u32)>; LANES] = Default::default();
+    /// Takes up the pattern of `g`; the rows in `order` are cut into blocks.
+    pub(crate) fn build(&mut self, g: &Graph, order: &[u32]) {
+        let Matrix { layout, lower, upper, outer, sum, inv, lanes: (lo, up, out) } = self;
+        layout.build(g, order);
+        let slots = layout.row.len();
+        let (slices, entries) = (slots / LANES, g.col.len());
+        lower.begin(slices, entries);
+        upper.begin(slices, entries);
+        outer.begin(slices, entries);
         for (s, rows) in layout.row.chunks_exact(LANES).enumerate() {
             lo.iter_mut().for_each(Vec::clear);
             up.iter_mut().for_each(Vec::clear);
@@ -42,36 +50,48 @@ impl Matrix {
                     let within = (to % SLOTS) as u16;
                     let same = to / SLOTS == s * LANES / SLOTS;
                     match (to / LANES).cmp(&s) {
-                        std::cmp::Ordering::Less if same => lo[lane].push((within, k as u32)),
-                        std::cmp::Ordering::Greater if same => up[lane].push((within, k as u32)),
+                        Ordering::Less if same => lo[lane].push((within, k as u32)),
+                        Ordering::Greater if same => up[lane].push((within, k as u32)),
                         _ => out[lane].push((to as u32, k as u32)),
                     }
                 }
             }
             let own = |lane: usize| ((s * LANES + lane) % SLOTS) as u16;
-            lower.push(&lo, own);
-            upper.push(&up, own);
-            outer.push(&out, |lane| (s * LANES + lane) as u32);
+            lower.push(lo, own);
+            upper.push(up, own);
+            outer.push(out, |lane| (s * LANES + lane) as u32);
         }
-        let n = layout.row.len();
-        Matrix { layout, lower, upper, outer, diag: vec![0.0; n], inv: vec![0.0; n] }
+        fill(sum, slots, 0.0);
+        fill(inv, slots, 0.0);
     }
 
     pub(crate) fn slots(&self) -> usize {
-        self.diag.len()
+        self.sum.len()
     }
 
     pub(crate) fn refresh(&mut self, exec: &Exec, g: &Graph) {
         self.lower.refresh(exec, &g.val);
         self.upper.refresh(exec, &g.val);
         self.outer.refresh(exec, &g.val);
-        let row = &self.layout.row;
-        exec.for_each2(&mut self.diag, &mut self.inv, |first, diag, inv| {
-            for (k, (d, inv)) in diag.iter_mut().zip(inv).enumerate() {
-                let i = row[first + k];
-                *d = if i == NONE { 0.0 } else { g.diagonal(i as usize) };
-                // A null row is one of a singular system's pieces shrunk to a point: left alone.
-                *inv = if *d != 0.0 && (1.0 / *d).is_finite() { 1.0 / *d } else { 0.0 };
+        let Matrix { layout, lower, upper, outer, sum, inv, .. } = self;
+        exec.for_each(sum, |first, sum| {
+            for (s, &i) in sum.iter_mut().zip(&layout.row[first..]) {
+                *s = if i == NONE { 0.0 } else { g.sum[i as usize] };
+            }
+        });
+        exec.for_each_block(inv, SLOTS, |first, inv| {
+            for (k, inv) in inv.chunks_exact_mut(LANES).enumerate() {
+                let at = first + k * LANES;
+                let mut d: [f64; LANES] = std::array::from_fn(|lane| f64::from(sum[at + lane]));
+                lower.diagonal(at / LANES, &mut d);
+                upper.diagonal(at / LANES, &mut d);
+                outer.diagonal(at / LANES, &mut d);
+                for (inv, d) in inv.iter_mut().zip(d) {
+                    // A null row is one of a singular system's pieces shrunk to a point (or no
+                    // row): left alone.
+                    let one_over = 1.0 / d as f32;
+                    *inv = if one_over.is_finite() { one_over } else { 0.0 };
+                }
             }
         });
     }
@@ -79,27 +99,37 @@ impl Matrix {
     /// `z = (D + L)^-1 b`: a forward sweep from zero.
     pub(crate) fn forward<const N: usize>(&self, exec: &Exec, b: &[[f32; N]], z: &mut [[f32; N]]) {
         exec.for_each_block(z, SLOTS, |first, z| {
-            for s in 0..z.len() / LANES {
-                let at = first + s * LANES;
-                let mut acc = lanes(b, at);
-                self.lower.subtract(at / LANES, z, &mut acc);
-                self.divide(at, &acc, &mut z[s * LANES..]);
-            }
+            wide(
+                #[inline(always)]
+                || {
+                    for s in 0..z.len() / LANES {
+                        let at = first + s * LANES;
+                        let mut acc = lanes(b, at);
+                        self.lower.subtract(at / LANES, z, &mut acc);
+                        self.divide(at, &acc, &mut z[s * LANES..]);
+                    }
+                },
+            )
         });
     }
     /// `z -= D^-1 U z` from the back: turns a forward sweep into a symmetric one.
     pub(crate) fn backward<const N: usize>(&self, exec: &Exec, z: &mut [[f32; N]]) {
         exec.for_each_block(z, SLOTS, |first, z| {
-            for s in (0..z.len() / LANES).rev() {
-                let at = first + s * LANES;
-                let mut acc = [[0.0; N]; LANES];
-                self.upper.subtract(at / LANES, z, &mut acc);
-                for lane in 0..LANES {
-                    for c in 0..N {
-                        z[s * LANES + lane][c] += acc[lane][c] * self.inv[at + lane];
+            wide(
+                #[inline(always)]
+                || {
+                    for s in (0..z.len() / LANES).rev() {
+                        let at = first + s * LANES;
+                        let mut acc = [[0.0; N]; LANES];
+                        self.upper.subtract(at / LANES, z, &mut acc);
+                        for lane in 0..LANES {
+                            for c in 0..N {
+                                z[s * LANES + lane][c] += acc[lane][c] * self.inv[at + lane];
+                            }
+                        }
                     }
-                }
-            }
+                },
+            )
         });
     }
     /// `r = b - A z` right after [`Matrix::forward`], where it is `-(U + O) z`.
@@ -110,13 +140,18 @@ impl Matrix {
         r: &mut [[f32; N]],
     ) {
         exec.for_each_block(r, SLOTS, |first, r| {
-            let block = &z[first..first + r.len()];
-            for s in 0..r.len() / LANES {
-                let mut acc = [[0.0; N]; LANES];
-                self.upper.subtract(first / LANES + s, block, &mut acc);
-                self.outer.subtract(first / LANES + s, z, &mut acc);
-                r[s * LANES..(s + 1) * LANES].copy_from_slice(&acc);
-            }
+            wide(
+                #[inline(always)]
+                || {
+                    let block = &z[first..first + r.len()];
+                    for s in 0..r.len() / LANES {
+                        let mut acc = [[0.0; N]; LANES];
+                        self.upper.subtract(first / LANES + s, block, &mut acc);
+                        self.outer.subtract(first / LANES + s, z, &mut acc);
+                        r[s * LANES..(s + 1) * LANES].copy_from_slice(&acc);
+                    }
+                },
+            )
         });
     }
     /// A backward Gauss-Seidel sweep on `A z = b`; `t` is scratch.
@@ -129,25 +164,37 @@ impl Matrix {
     ) {
         let old = &*z;
         exec.for_each_block(t, SLOTS, |first, t| {
-            for s in 0..t.len() / LANES {
-                let at = first + s * LANES;
-                let mut acc = lanes(b, at);
-                self.outer.subtract(at / LANES, old, &mut acc);
-                t[s * LANES..(s + 1) * LANES].copy_from_slice(&acc);
-            }
+            wide(
+                #[inline(always)]
+                || {
+                    for s in 0..t.len() / LANES {
+                        let at = first + s * LANES;
+                        let mut acc = lanes(b, at);
+                        self.outer.subtract(at / LANES, old, &mut acc);
+                        t[s * LANES..(s + 1) * LANES].copy_from_slice(&acc);
+                    }
+                },
+            )
         });
         let t = &*t;
         exec.for_each_block(z, SLOTS, |first, z| {
-            for s in (0..z.len() / LANES).rev() {
-                let at = first + s * LANES;
-                let mut acc = lanes(t, at);
-                self.lower.subtract(at / LANES, z, &mut acc);
-                self.upper.subtract(at / LANES, z, &mut acc);
-                self.divide(at, &acc, &mut z[s * LANES..]);
-            }
+            wide(
+                #[inline(always)]
+                || {
+                    for s in (0..z.len() / LANES).rev() {
+                        let at = first + s * LANES;
+                        let mut acc = lanes(t, at);
+                        self.lower.subtract(at / LANES, z, &mut acc);
+                        self.upper.subtract(at / LANES, z, &mut acc);
+                        self.divide(at, &acc, &mut z[s * LANES..]);
+                    }
+                },
+            )
         });
     }
-    /// `v = A z`; returns what `sums` makes of each block (first slot, block of `v`).
+    /// `v = A z`; returns what `sums` makes of each block (first slot, block of `v`). Formed from
+    /// differences of `z`: where couplings differ by many decades, the strong ones would else leave
+    /// more rounding behind than the weak ones amount to.
     pub(crate) fn times<const N: usize, const K: usize>(
         &self,
         exec: &Exec,
@@ -156,28 +203,30 @@ impl Matrix {
         sums: impl Fn(usize, &[[f32; N]]) -> [f64; K] + Sync,
     ) -> [f64; K] {
         exec.for_each_local_sums(v, |first, v| {
-            for s in 0..v.len() / LANES {
-                let at = first + s * LANES;
-                let start = at / SLOTS * SLOTS;
-                let block = &z[start..(start + SLOTS).min(z.len())];
-                let mut acc = [[0.0; N]; LANES];
-                for lane in 0..LANES {
-                    for c in 0..N {
-                        acc[lane][c] = -self.diag[at + lane] * z[at + lane][c];
+            wide(
+                #[inline(always)]
+                || {
+                    for s in 0..v.len() / LANES {
+                        let at = first + s * LANES;
+                        let start = at / SLOTS * SLOTS;
+                        let block = &z[start..(start + SLOTS).min(z.len())];
+                        let own = lanes(z, at);
+                        let mut acc = own;
+                        for (z, sum) in acc.iter_mut().zip(&self.sum[at..]) {
+                            *z = z.map(|z| z * sum);
+                        }
+                        self.lower.flow(at / LANES, block, &own, &mut acc);
+                        self.upper.flow(at / LANES, block, &own, &mut acc);
+                        self.outer.flow(at / LANES, z, &own, &mut acc);
+                        v[s * LANES..(s + 1) * LANES].copy_from_slice(&acc);
                     }
-                }
-                self.lower.subtract(at / LANES, block, &mut acc);
-                self.upper.subtract(at / LANES, block, &mut acc);
-                self.outer.subtract(at / LANES, z, &mut acc);
-                for (v, a) in v[s * LANES..].iter_mut().zip(&acc) {
-                    *v = a.map(|a| -a);
-                }
-            }
+                },
+            );
             sums(first, v)
         })
     }
 
-    #[inline]
+    #[inline(always)]
     fn divide<const N: usize>(&self, at: usize, acc: &[[f32; N]; LANES], z: &mut [[f32; N]]) {
         let (z, inv) = (&mut z[..LANES], &self.inv[at..at + LANES]);
         for lane in 0..LANES {
@@ -188,7 +237,7 @@ impl Matrix {
     }
 }
 
-#[inline]
+#[inline(always)]
 fn lanes<const N: usize>(b: &[[f32; N]], at: usize) -> [[f32; N]; LANES] {
     let b = &b[at..at + LANES];
     std::array::from_fn(|lane| b[lane])
@@ -206,32 +255,33 @@ pub(crate) struct Transfer {
 }
 
 impl Transfer {
-    /// `coarse_row` is the row in each coarse slot, `coarse_slot` the inverse.
-    pub(crate) fn new(
-        galerkin: Galerkin,
+    /// Puts into slots what the aggregates say about rows. `coarse_row` is the row in each coarse
+    /// slot, `coarse_slot` the inverse.
+    pub(crate) fn place(
+        &mut self,
         fine: &Layout,
-        parent: &[u32],
+        aggregate: &[u32],
         coarse_row: &[u32],
         coarse_slot: &[u32],
-    ) -> Transfer {
-        let up = |i: u32| match i {
+    ) {
+        let Transfer { galerkin, parent, ptr, child } = self;
+        clear(parent, fine.row.len());
+        parent.extend(fine.row.iter().map(|&i| match i {
             NONE => NONE,
-            i if parent[i as usize] == NONE => NONE,
-            i => coarse_slot[parent[i as usize] as usize],
-        };
-        let mut t =
-            Transfer { parent: fine.row.iter().map(|&i| up(i)).collect(), ..Transfer::default() };
-        t.ptr.push(0);
+            i if aggregate[i as usize] == NONE => NONE,
+            i => coarse_slot[aggregate[i as usize] as usize],
+        }));
+        clear(ptr, coarse_row.len() + 1);
+        clear(child, fine.slot.len());
+        ptr.push(0);
         for &i in coarse_row {
             if i != NONE {
-                let own = galerkin.child_ptr[i as usize] as usize
-                    ..galerkin.child_ptr[i as usize + 1] as usize;
-                t.child.extend(galerkin.child[own].iter().map(|&c| fine.slot[c as usize]));
+                child.extend(
+                    galerkin.children.of(i as usize).iter().map(|&c| fine.slot[c as usize]),
+                );
             }
-            t.ptr.push(t.child.len() as u32);
+            ptr.push(child.len() as u32);
         }
-        t.galerkin = galerkin;
-        t
     }
     /// `coarse = P^T fine`.
     pub(crate) fn restrict<const N: usize>(

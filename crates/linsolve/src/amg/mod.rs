@@ -7,8 +7,10 @@ mod aggregate;
 mod cycle;
 mod dense;
 mod graph;
+mod hierarchy;
 mod layout;
 mod level;
+mod quality;
 mod sell;
 
 use granflow_base::Value;
@@ -17,7 +19,7 @@ use granflow_par::Exec;
 use crate::csr::Csr;
 use crate::precond::{Precond, Shape, check_diagonal};
 use crate::solver::SolveError;
-use cycle::{Hierarchy, Params};
+use hierarchy::{Hierarchy, Params};
 
 /// Aggregates are made anew when the iterations per decade have grown by this factor.
 const STALE: f64 = 2.0;
@@ -45,7 +47,7 @@ fn boxed<T: Value>(params: Params) -> Box<dyn Precond<T>> {
 }
 /// Multigrid.
 pub(crate) fn multigrid<T: Value>() -> Box<dyn Precond<T>> {
-    boxed(Params { levels: 30, passes: 2 })
+    boxed(Params { levels: 30, passes: 3 })
 }
 /// One symmetric Gauss-Seidel sweep from zero.
 pub(crate) fn gauss_seidel<T: Value>() -> Box<dyn Precond<T>> {
@@ -75,7 +77,7 @@ impl<T: Value, const N: usize> Precond<T> for Amg<N> {
         if self.shape == Shape::of(a) && !self.stale {
             self.hierarchy.refresh(exec, a, self.scale);
         } else {
-            self.hierarchy = Hierarchy::build(exec, a, self.scale, self.params);
+            self.hierarchy.build(exec, a, self.scale, self.params);
             self.shape = Shape::of(a);
             self.usual = None;
             self.stale = false;
@@ -87,20 +89,17 @@ impl<T: Value, const N: usize> Precond<T> for Amg<N> {
         let k = 1.0 / size;
         let narrow = |r: &T| std::array::from_fn(|c| (r.comp(c) * k) as f32);
         let (b, row) = self.hierarchy.input();
-        exec.for_each(b, |first, b| match row {
-            Some(row) => {
-                for (b, &i) in b.iter_mut().zip(&row[first..]) {
-                    *b = if i == graph::NONE { [0.0; N] } else { narrow(&r[i as usize]) };
-                }
+        exec.for_each(b, |first, b| {
+            for (b, &i) in b.iter_mut().zip(&row[first..]) {
+                *b = if i == graph::NONE { [0.0; N] } else { narrow(&r[i as usize]) };
             }
-            None => b.iter_mut().zip(&r[first..]).for_each(|(b, r)| *b = narrow(r)),
         });
         self.hierarchy.cycle(exec, self.symmetric);
         let k = size * self.scale;
         let (x, slot) = self.hierarchy.output();
         exec.for_each(&mut z[..a.rows()], |first, z| {
             for (i, z) in z.iter_mut().enumerate() {
-                let x = &x[slot.map_or(first + i, |s| s[first + i] as usize)];
+                let x = &x[slot[first + i] as usize];
                 (0..N).for_each(|c| z.set_comp(c, f64::from(x[c]) * k));
             }
         });

@@ -1,10 +1,13 @@
 //! A part of a level's matrix in slices of 16 rows (SELL-C, Kreutzer et al. 2014): entry `k` of
 //! all 16 rows side by side, so that plain loops become vector instructions.
 
-use granflow_par::Exec;
+use granflow_par::{Exec, gather};
 
-use super::graph::NONE;
+use super::graph::{NONE, clear};
 use super::layout::LANES;
+
+/// Couplings `(column, entry of the graph)` of each row of a slice.
+pub(crate) type Lanes<C> = [Vec<(C, u32)>; LANES];
 
 /// Couplings by slices; `C` is the type of a column.
 #[derive(Debug, Default)]
@@ -17,11 +20,18 @@ pub(crate) struct Sell<C> {
 }
 
 impl<C: Copy + Default> Sell<C> {
-    pub(crate) fn new() -> Self {
-        Sell { ptr: vec![0], col: Vec::new(), val: Vec::new(), src: Vec::new() }
+    /// Empties it, for `slices` slices of some of `entries` couplings.
+    pub(crate) fn begin(&mut self, slices: usize, entries: usize) {
+        // Memory that is not written costs nothing.
+        let groups = 2 * entries / LANES + slices;
+        clear(&mut self.ptr, slices + 1);
+        self.ptr.push(0);
+        clear(&mut self.col, groups);
+        clear(&mut self.val, groups);
+        clear(&mut self.src, groups);
     }
     /// Appends a slice of the couplings `(column, entry of the graph)` of each lane.
-    pub(crate) fn push(&mut self, lanes: &[Vec<(C, u32)>; LANES], own: impl Fn(usize) -> C) {
+    pub(crate) fn push(&mut self, lanes: &Lanes<C>, own: impl Fn(usize) -> C) {
         let width = lanes.iter().map(Vec::len).max().unwrap_or(0);
         for k in 0..width {
             // Padding points at the row itself, which is in the cache anyway.
@@ -44,26 +54,15 @@ impl<C: Copy + Default> Sell<C> {
     }
 }
 
-/// A column index.
-pub(crate) trait Column: Copy + Default + Send + Sync {
-    fn index(self) -> usize;
-}
-impl Column for u16 {
-    #[inline]
-    fn index(self) -> usize {
-        usize::from(self)
+impl<C: Copy + Into<u32>> Sell<C> {
+    /// `d -= ` sums of the rows of slice `s`.
+    pub(crate) fn diagonal(&self, s: usize, d: &mut [f64; LANES]) {
+        for val in &self.val[self.ptr[s] as usize..self.ptr[s + 1] as usize] {
+            (0..LANES).for_each(|lane| d[lane] -= f64::from(val[lane]));
+        }
     }
-}
-impl Column for u32 {
-    #[inline]
-    fn index(self) -> usize {
-        self as usize
-    }
-}
-
-impl<C: Column> Sell<C> {
     /// `acc -= (slice s) z`.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn subtract<const N: usize>(
         &self,
         s: usize,
@@ -72,13 +71,30 @@ impl<C: Column> Sell<C> {
     ) {
         let r = self.ptr[s] as usize..self.ptr[s + 1] as usize;
         for (col, val) in self.col[r.clone()].iter().zip(&self.val[r]) {
-            let mut zs = [[0.0f32; N]; LANES];
-            for lane in 0..LANES {
-                zs[lane] = z[col[lane].index()];
-            }
+            let zs = gather(z, col);
             for lane in 0..LANES {
                 for c in 0..N {
                     acc[lane][c] -= val[lane] * zs[lane][c];
+                }
+            }
+        }
+    }
+    /// `acc += (slice s) (z - own)`, where `own` is `z` in the slice itself: what flows between
+    /// rows, which rounds to the same number on both sides.
+    #[inline(always)]
+    pub(crate) fn flow<const N: usize>(
+        &self,
+        s: usize,
+        z: &[[f32; N]],
+        own: &[[f32; N]; LANES],
+        acc: &mut [[f32; N]; LANES],
+    ) {
+        let r = self.ptr[s] as usize..self.ptr[s + 1] as usize;
+        for (col, val) in self.col[r.clone()].iter().zip(&self.val[r]) {
+            let zs = gather(z, col);
+            for lane in 0..LANES {
+                for c in 0..N {
+                    acc[lane][c] += val[lane] * (zs[lane][c] - own[lane][c]);
                 }
             }
         }

@@ -143,3 +143,80 @@ pub fn balanced(n: usize) -> Vec<f64> {
     b.iter_mut().for_each(|b| *b -= mean);
     b
 }
+
+/// How the coefficient of a [`hard`] problem varies over its six decades.
+type Decades = fn(Grid, [usize; 3]) -> f64;
+
+/// Thin cells with coefficients over six decades, with and without a diagonal of its own size in
+/// each cell: `c_i p_i - div(k grad p)`, as an implicit pressure with viscous stress has.
+pub fn hard() -> Vec<(String, Csr)> {
+    let smooth: Decades = |g, c| {
+        let x = |d: usize| (c[d] as f64 + 0.5) / g.n[d] as f64;
+        3.0 + 3.0 * (7.0 * x(0)).sin() * (5.0 * x(1)).cos() * (3.0 * x(2)).cos()
+    };
+    let random: Decades = |g, c| 6.0 * noise(g.index(c) + 555);
+    let grids = [
+        ("plane", [64, 64, 1], vec![[1e4, 1.0, 0.0], [1.0, 1e4, 0.0], [1e2, 1.0, 0.0]]),
+        ("box", [24, 22, 20], vec![[1.0, 1.0, 1e4], [1e4, 1.0, 1.0], [1e4, 1e4, 1.0]]),
+        ("sector", [16, 5, 3], vec![[1e4, 1.0, 1.0], [1.0, 1e4, 1.0], [1.0, 1e2, 1e4]]),
+    ];
+    let mut all = Vec::new();
+    for (shape, n, stretches) in grids {
+        for aniso in stretches {
+            for (kind, decades) in [("smooth", smooth), ("random", random)] {
+                for (ends, fixed, shift) in [
+                    ("fixed", true, 0),
+                    ("free", false, 0),
+                    ("weak", false, 1),
+                    ("mixed", false, 2),
+                ] {
+                    let g = Grid { n, fixed, periodic: false };
+                    let mut a = matrix(g, |c| 10f64.powf(decades(g, c)), aniso, 0.0);
+                    for i in 0..a.rows() {
+                        let wave = 10f64.powf(4.0 * (0.37 * i as f64).sin());
+                        let d = &mut a.val[a.diag[i] as usize];
+                        *d += [0.0, 1e-5 * wave * *d, wave][shift];
+                    }
+                    all.push((format!("{shape} {aniso:?} {kind} {ends}"), a));
+                }
+            }
+        }
+    }
+    for (kind, decades) in [("smooth", smooth), ("random", random)] {
+        for fixed in [true, false] {
+            all.push((format!("rings {kind} {fixed}"), rings(fixed, decades)));
+        }
+    }
+    all
+}
+
+/// A mesh in r and z whose cells grow from an aspect ratio of 10 to one of 100.
+fn rings(fixed: bool, decades: Decades) -> Csr {
+    let g = Grid { n: [48, 40, 1], fixed, periodic: false };
+    let mut a = matrix(g, |c| 10f64.powf(decades(g, c)), [1.0, 1.0, 0.0], 0.0);
+    let height = |j: usize| 0.01 * 10f64.powf(j as f64 / 39.0);
+    for i in 0..a.rows() {
+        let c = g.coords(i);
+        // What the fixed values around add stays; free ends add nothing.
+        let mut rest = 0.0;
+        let row = a.ptr[i] as usize..a.ptr[i + 1] as usize;
+        if fixed && row.len() < 5 {
+            rest = a.val[row.clone()].iter().sum::<f64>();
+        }
+        for k in row {
+            let o = g.coords(a.col[k] as usize);
+            if a.col[k] as usize == i {
+                continue;
+            }
+            let r = 0.5 * (c[0] + o[0]) as f64 + 0.5;
+            let factor = match c[1] == o[1] {
+                true => r * height(c[1]),
+                false => r / (0.5 * (height(c[1]) + height(o[1]))),
+            };
+            a.val[k] *= factor;
+            rest -= a.val[k];
+        }
+        a.val[a.diag[i] as usize] = rest;
+    }
+    a
+}

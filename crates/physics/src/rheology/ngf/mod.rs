@@ -258,7 +258,7 @@ impl Ngf {
         let result = solver.solve(exec, &self.eqn.a, &self.eqn.b, &mut self.step, tolerance);
         info.solves += 1;
         info.iterations += match result {
-            Ok(done) => done.iterations,
+            Ok(done) | Err(SolveError::Spent(done)) => done.iterations,
             // Some way is better than none: Newton's residual judges.
             Err(SolveError::NotConverged(done)) => {
                 info.unconverged += 1;
