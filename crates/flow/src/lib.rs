@@ -7,6 +7,7 @@ mod pressure;
 mod state;
 mod step;
 mod viscosity;
+pub mod vof;
 mod work;
 
 pub use anderson::Anderson;
