@@ -26,8 +26,8 @@ pub struct GeometricParams {
     /// Cells with a fraction nearer to 0 or 1 than this hold no interface (`surfCellTol`, of old
     /// `isoAlphaTol`; 1e-8).
     pub surf_cell_tol: f64,
-    /// Passes that redistribute over- and undershoots (`nAlphaBounds`, 3), times [`PATIENCE`]
-    /// where that is not enough. None at all with 0.
+    /// Passes that redistribute over- and undershoots (`nAlphaBounds`, 3); up to twenty times as
+    /// many where that is not enough. None at all with 0.
     pub n_alpha_bounds: usize,
     /// Fractions nearer to 0 or 1 than this are set there (`snapTol`, 1e-12).
     pub snap_tol: f64,
@@ -52,7 +52,7 @@ impl Default for GeometricParams {
 
 /// How often the usual number of passes may be used: a violation that is cut off is volume lost,
 /// and few cells are still concerned.
-pub const PATIENCE: usize = 20;
+const PATIENCE: usize = 20;
 /// Violations up to this are rounding.
 const ROUNDING: f64 = 1e-14;
 
@@ -216,7 +216,7 @@ impl Geometric {
                 let c = mixed[first + i] as usize;
                 let here = velocity[c];
                 let g = gradient(stencil, mesh.solved_dirs, c, |d| {
-                    granflow_base::sub(velocity[d], here)
+                    Some(granflow_base::sub(velocity[d], here))
                 });
                 let change = std::array::from_fn(|j| {
                     (0..3).map(|k| g[3 * k + j] * offset[c][k]).sum::<f64>()
@@ -376,7 +376,7 @@ fn share(wanted: f64, available: f64) -> f64 {
 
 /// The velocity whose flux through the faces of `c` comes nearest to `phi`, weights `1/|S|`:
 /// `(sum S S/|S|)^-1 sum S phi/|S|`.
-fn cell_velocity(mesh: &Mesh, phi: &FaceField<f64>, c: usize) -> Vec3 {
+pub(super) fn cell_velocity(mesh: &Mesh, phi: &FaceField<f64>, c: usize) -> Vec3 {
     let (mut m, mut rhs) = ([0.0; 9], [0.0; 3]);
     for (f, _) in mesh.faces_of(c) {
         let (s, k) = (mesh.area[f], 1.0 / mesh.mag_area[f]);

@@ -98,6 +98,7 @@ pub struct Run {
     pub passes: usize,
     pub courant: f64,
     pub seconds: f64,
+    pub first_volume: f64,
 }
 
 impl Run {
@@ -123,6 +124,7 @@ impl Run {
             passes: 0,
             courant: 0.0,
             seconds: 0.0,
+            first_volume: 0.0,
         }
     }
 
@@ -146,6 +148,7 @@ impl Run {
 
     pub fn start(mut self, sum: &[(f64, Shape)]) -> Run {
         self.alpha.cells.data = self.exact(sum);
+        self.first_volume = self.volume();
         self
     }
 
@@ -196,9 +199,10 @@ impl Run {
     }
     pub fn line(&self, what: &str, e1: f64) -> String {
         format!(
-            "{what:<34} E1 {e1:.3e}  beyond {:.1e}  volume {:.1e}  passes/step {:.2}  Co {:.2}  {:.0} ns/cell/step",
+            "{what:<34} E1 {e1:.3e}  beyond {:.1e}  volume {:.1e} ({:.1e})  passes/step {:.2}  Co {:.2}  {:.0} ns/cell/step",
             self.beyond,
             self.volume_error,
+            (self.volume() - self.first_volume).abs() / self.first_volume,
             self.passes as f64 / self.steps as f64,
             self.courant,
             self.cost()
