@@ -99,9 +99,8 @@ impl Algebraic {
             solver,
             one: CellField::new(mesh, "1", Dims::NONE, 1.0),
         });
-        let [volume, cells] = exec.sums(mesh.n_cells, |r| {
-            [mesh.volume[r.clone()].iter().sum(), r.len() as f64]
-        });
+        let [volume, cells] =
+            exec.sums(mesh.n_cells, |r| [mesh.volume[r.clone()].iter().sum(), r.len() as f64]);
         let face = |name: &str, dims| FaceField::new(mesh, name, dims, 0.0);
         Ok(Algebraic {
             params,
@@ -214,7 +213,13 @@ impl Algebraic {
     }
 
     /// `phi alpha_upwind`, into `self.flux`; on the boundary the condition's value.
-    fn upwind_flux(&mut self, exec: &Exec, mesh: &Mesh, alpha: &Unknown<f64>, phi: &FaceField<f64>) {
+    fn upwind_flux(
+        &mut self,
+        exec: &Exec,
+        mesh: &Mesh,
+        alpha: &Unknown<f64>,
+        phi: &FaceField<f64>,
+    ) {
         exec.for_each(&mut self.flux.data, |first, out| {
             for (i, q) in out.iter_mut().enumerate() {
                 let f = first + i;
@@ -243,7 +248,13 @@ impl Algebraic {
 
     /// The flux one would like, `phi alpha_f` by the chosen scheme and the compression, on inner
     /// faces, into `self.correction`.
-    fn sharper_flux(&mut self, exec: &Exec, mesh: &Mesh, alpha: &Unknown<f64>, phi: &FaceField<f64>) {
+    fn sharper_flux(
+        &mut self,
+        exec: &Exec,
+        mesh: &Mesh,
+        alpha: &Unknown<f64>,
+        phi: &FaceField<f64>,
+    ) {
         let Algebraic { params, gradient, weights, scratch, correction, speed, .. } = self;
         Gradient::GaussLinear.of(exec, mesh, alpha, gradient);
         scratch.data.fill(0.0);
@@ -259,7 +270,8 @@ impl Algebraic {
         exec.for_each(&mut correction.data[..mesh.n_inner], |first, out| {
             for (i, q) in out.iter_mut().enumerate() {
                 let f = first + i;
-                let (o, n, w) = (mesh.owner[f] as usize, mesh.neighbour[f] as usize, weights.data[f]);
+                let (o, n, w) =
+                    (mesh.owner[f] as usize, mesh.neighbour[f] as usize, weights.data[f]);
                 let phi = phi.data[f];
                 let carried = w * a[o] + (1.0 - w) * a[n];
                 *q = phi * carried + scratch.data[f] + compression.flux(mesh, a, phi, f);

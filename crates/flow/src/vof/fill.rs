@@ -230,8 +230,7 @@ fn in_cylinder(body: &Body, origin: Vec3, axis: Vec3, radius: f64) -> f64 {
             let inside = |t1: f64, t2: f64| {
                 // Triangle: its area times the height at its centroid.
                 let (u, v) = (t1.tan(), t2.tan());
-                let middle =
-                    add(scale(across, 2.0 * d / 3.0), scale(along, d * (u + v) / 3.0));
+                let middle = add(scale(across, 2.0 * d / 3.0), scale(along, d * (u + v) / 3.0));
                 0.5 * d * d * (v - u) * (z0 + dot(g, middle))
             };
             let outside = |t1: f64, t2: f64| {

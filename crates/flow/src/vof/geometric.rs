@@ -29,9 +29,11 @@ pub struct GeometricParams {
     /// Passes that redistribute over- and undershoots (`nAlphaBounds`, 3); up to twenty times as
     /// many where that is not enough. None at all with 0.
     pub n_alpha_bounds: usize,
-    /// Fractions nearer to 0 or 1 than this are set there (`snapTol`, 1e-12).
+    /// Fractions nearer to 0 or 1 than this are set there (`snapTol`). The default, 1e-16, only
+    /// keeps fractions from fading for ever: OpenFOAM's 1e-12 costs a vortex 1e-10 of its volume.
     pub snap_tol: f64,
-    /// Whether what is out of bounds after all passes is cut off (`clip`, true).
+    /// Whether what is out of bounds after all passes is cut off (`clip`). No by default, as that
+    /// is rounding, and cutting it off makes volume drift one way.
     pub clip: bool,
     /// Steps the time step is divided into (`nAlphaSubCycles`, 1).
     pub n_alpha_sub_cycles: usize,
@@ -43,8 +45,8 @@ impl Default for GeometricParams {
             reconstruction: Reconstruct::PlicRdf,
             surf_cell_tol: 1e-8,
             n_alpha_bounds: 3,
-            snap_tol: 1e-12,
-            clip: true,
+            snap_tol: 1e-16,
+            clip: false,
             n_alpha_sub_cycles: 1,
         }
     }
@@ -312,7 +314,8 @@ impl Geometric {
                     *a = old[c] - net / mesh.volume[c];
                     *k = if *a > 1.0 + ROUNDING {
                         beyond += 1.0;
-                        let room = outflowing(mesh, phi, c).map(|f| (phi.data[f] * dt - s[f]).abs());
+                        let room =
+                            outflowing(mesh, phi, c).map(|f| (phi.data[f] * dt - s[f]).abs());
                         share((*a - 1.0) * mesh.volume[c], room.sum())
                     } else if *a < -ROUNDING {
                         beyond += 1.0;

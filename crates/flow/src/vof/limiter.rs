@@ -137,9 +137,5 @@ impl FluxLimiter {
 /// The share of `wanted` that `room` has place for.
 #[inline]
 fn allowed(room: f64, wanted: f64) -> f64 {
-    if wanted <= room.max(0.0) {
-        1.0
-    } else {
-        room.max(0.0) / wanted
-    }
+    if wanted <= room.max(0.0) { 1.0 } else { room.max(0.0) / wanted }
 }

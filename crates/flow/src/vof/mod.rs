@@ -103,7 +103,9 @@ impl Vof {
         params: &Params,
     ) -> Result<Vof, VofError> {
         Ok(match params {
-            Params::Algebraic(p) => Vof::Algebraic(Box::new(Algebraic::new(exec, mesh, p.clone())?)),
+            Params::Algebraic(p) => {
+                Vof::Algebraic(Box::new(Algebraic::new(exec, mesh, p.clone())?))
+            }
             Params::Geometric(p) => {
                 Vof::Geometric(Box::new(Geometric::new(exec, poly, mesh, p.clone())?))
             }

@@ -274,7 +274,7 @@ impl Reconstructor {
                 }
             }
         });
-        let (planes, old) = (&*planes, &*old);
+        let planes = &*planes;
         let [change, count] = exec.sums(planes.len(), |r| {
             let one = |k: usize| 1.0 - dot(planes[k].normal, old[mixed[k] as usize]);
             [r.clone().map(one).sum(), r.len() as f64]

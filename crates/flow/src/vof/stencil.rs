@@ -354,9 +354,8 @@ impl Images {
         for l in whole.halo.links() {
             let (ghost, source) = (l.recv.start, l.send[0] as usize);
             let r = l.rotation;
-            let image = r.map_or(whole.cell_centre[source], |r| {
-                apply(&r, whole.cell_centre[source])
-            });
+            let image =
+                r.map_or(whole.cell_centre[source], |r| apply(&r, whole.cell_centre[source]));
             let shift = sub(whole.cell_centre[ghost], image);
             let motion = self.motions.len();
             self.motions.push(Motion { rotation: r, shift });
@@ -368,9 +367,8 @@ impl Images {
                 }
                 let source = l.send[n - l.recv.start] as usize;
                 let here = poly.face((whole.poly_face[f] >> 1) as usize);
-                let size = here.iter().map(|&p| {
-                    norm(sub(poly.points[p as usize], whole.face_centre[f]))
-                });
+                let size =
+                    here.iter().map(|&p| norm(sub(poly.points[p as usize], whole.face_centre[f])));
                 let size = size.fold(0.0, f64::max);
                 for &p in here {
                     let x = poly.points[p as usize];

@@ -12,8 +12,13 @@ use std::f64::consts::{PI, TAU};
 /// Flux of `curl A` through every face by Stokes's theorem, five Gauss points an edge: every edge
 /// counts once each way, so the sum over a cell is zero but for rounding.
 pub fn flux_of(poly: &PolyMesh, mesh: &Mesh, a: impl Fn(Vec3) -> Vec3, out: &mut [f64]) {
-    const X: [f64; 5] =
-        [-0.906_179_845_938_664, -0.538_469_310_105_683, 0.0, 0.538_469_310_105_683, 0.906_179_845_938_664];
+    const X: [f64; 5] = [
+        -0.906_179_845_938_664,
+        -0.538_469_310_105_683,
+        0.0,
+        0.538_469_310_105_683,
+        0.906_179_845_938_664,
+    ];
     const W: [f64; 5] = [
         0.236_926_885_056_189,
         0.478_628_670_499_366,
@@ -27,7 +32,8 @@ pub fn flux_of(poly: &PolyMesh, mesh: &Mesh, a: impl Fn(Vec3) -> Vec3, out: &mut
         let (x, y) = (poly.points[i as usize], poly.points[j as usize]);
         let along = scale(sub(y, x), 0.5);
         let mid = scale(add(x, y), 0.5);
-        let sum: f64 = X.iter().zip(W).map(|(&t, w)| w * dot(a(add(mid, scale(along, t))), along)).sum();
+        let sum: f64 =
+            X.iter().zip(W).map(|(&t, w)| w * dot(a(add(mid, scale(along, t))), along)).sum();
         sign * sum
     };
     for (f, &e) in mesh.poly_face.iter().enumerate() {
@@ -161,9 +167,8 @@ impl Run {
             self.phi.data.iter_mut().zip(&self.steady).for_each(|(p, s)| *p = k * s);
             let clock = std::time::Instant::now();
             let Run { vof, exec, mesh, alpha, phi, .. } = self;
-            report = vof
-                .advance(exec, mesh, alpha, phi, dt, &Surroundings::default())
-                .expect("a step");
+            report =
+                vof.advance(exec, mesh, alpha, phi, dt, &Surroundings::default()).expect("a step");
             self.seconds += clock.elapsed().as_secs_f64();
             self.time += dt;
             self.steps += 1;
@@ -179,7 +184,8 @@ impl Run {
     pub fn error(&self, exact: &[f64]) -> f64 {
         let v = &self.mesh.volume;
         let own = 0..self.mesh.n_cells;
-        let wrong: f64 = own.clone().map(|c| v[c] * (self.alpha.cells.data[c] - exact[c]).abs()).sum();
+        let wrong: f64 =
+            own.clone().map(|c| v[c] * (self.alpha.cells.data[c] - exact[c]).abs()).sum();
         wrong / own.map(|c| v[c] * exact[c]).sum::<f64>()
     }
     /// Volume of fluid 1 by compensated summation.
@@ -193,6 +199,10 @@ impl Run {
         }
         s
     }
+    /// Change of the volume since the start, relative.
+    pub fn drift(&self) -> f64 {
+        (self.volume() - self.first_volume).abs() / self.first_volume
+    }
     /// Nanoseconds per cell and step.
     pub fn cost(&self) -> f64 {
         1e9 * self.seconds / (self.steps * self.mesh.n_cells) as f64
@@ -202,7 +212,7 @@ impl Run {
             "{what:<34} E1 {e1:.3e}  beyond {:.1e}  volume {:.1e} ({:.1e})  passes/step {:.2}  Co {:.2}  {:.0} ns/cell/step",
             self.beyond,
             self.volume_error,
-            (self.volume() - self.first_volume).abs() / self.first_volume,
+            self.drift(),
             self.passes as f64 / self.steps as f64,
             self.courant,
             self.cost()
@@ -228,4 +238,15 @@ pub fn triangles(n: usize) -> PolyMesh {
     kinds[4] = PatchKind::Empty;
     kinds[5] = PatchKind::Empty;
     shapes::prism_box([n, n, 1], [0.0; 3], [1.0, 1.0, 1.0 / n as f64], kinds)
+}
+
+/// A disc in the unit square with all its images that reach into it.
+pub fn periodic_disc(x: f64, y: f64, r: f64) -> Vec<(f64, Shape)> {
+    let shift = [-1.0, 0.0, 1.0];
+    shift.iter().flat_map(|i| shift.map(|j| (1.0, disc(x + i, y + j, r)))).collect()
+}
+
+/// Numbers with two digits, for messages.
+pub fn short(x: &[f64]) -> String {
+    x.iter().map(|x| format!("{x:.1e}")).collect::<Vec<_>>().join(" ")
 }
