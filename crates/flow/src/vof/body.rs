@@ -139,19 +139,23 @@ impl Body {
         thrice / 3.0
     }
 
-    /// Average of the points where the level crosses edges; the origin if it crosses none.
+    /// Average of the points where the level crosses edges; the origin if it crosses none. A
+    /// crossing near a corner counts little, so that nothing jumps when the level passes it.
     fn middle_of_section(&self, level: f64, values: &[f64]) -> Vec3 {
-        let (mut sum, mut n) = ([0.0; 3], 0);
+        let (mut sum, mut weight) = ([0.0; 3], 0.0);
         for ring in self.facets() {
             for (i, &a) in ring.iter().enumerate() {
                 let (a, b) = (a as usize, ring[(i + 1) % ring.len()] as usize);
                 if (values[a] < level) != (values[b] < level) {
-                    sum = add(sum, crossing(&self.points, values, level, a, b));
-                    n += 1;
+                    let t = (level - values[a]) / (values[b] - values[a]);
+                    let w = (t * (1.0 - t)).max(f64::MIN_POSITIVE);
+                    let at = crossing(&self.points, values, level, a, b);
+                    sum = add(sum, scale(at, w));
+                    weight += w;
                 }
             }
         }
-        scale(sum, 1.0 / f64::from(n.max(1)))
+        if weight > 0.0 { scale(sum, 1.0 / weight) } else { sum }
     }
 
     /// The level surface itself, none where it has no area.
@@ -205,18 +209,22 @@ impl Body {
         let mut x = at(t);
         // What rounding left, and what the surface lacks in flatness: bracketed false position
         // (Dowell & Jarratt, BIT 11 (1971) 168).
-        for _ in 0..60 {
+        let mut last_side = 0.0;
+        for _ in 0..100 {
             let fx = below(x) - target;
             if fx.abs() <= 1e-14 * self.volume || b - a <= 1e-15 * size {
                 break;
             }
+            // An end that stays twice loses weight, or it would stay for ever.
+            let stays = fx.signum() == last_side;
             if fx < 0.0 {
-                (a, fb) = (x, if fa == 0.0 { fb } else { fb * (fx / fa).abs().clamp(0.5, 1.0) });
-                fa = fx;
+                fb *= if stays { fa / (fa + fx) } else { 1.0 };
+                (a, fa) = (x, fx);
             } else {
-                (b, fa) = (x, if fb == 0.0 { fa } else { fa * (fx / fb).abs().clamp(0.5, 1.0) });
-                fb = fx;
+                fa *= if stays { fb / (fb + fx) } else { 1.0 };
+                (b, fb) = (x, fx);
             }
+            last_side = fx.signum();
             let next = (a * fb - b * fa) / (fb - fa);
             x = if next > a && next < b { next } else { 0.5 * (a + b) };
         }

@@ -244,7 +244,7 @@ impl Reconstructor {
             self.foot_normal[c as usize] = p.normal;
         }
         stencil.halo.update(exec, &mut self.foot_normal);
-        let Reconstructor { mixed, planes, foot_normal, distance, interface, .. } = self;
+        let Reconstructor { mixed, planes, foot_normal, distance, interface, solved, .. } = self;
         let Interface { normal: old, offset, .. } = &*interface;
         let (mixed, foot_normal, distance) = (&*mixed, &*foot_normal, &*distance);
         exec.for_each_block(planes, BLOCK, |first, planes| {
@@ -264,7 +264,11 @@ impl Reconstructor {
                     m = m.axpy(w, Vec3::dyad(arm, arm));
                     rhs = rhs.axpy(w, Vec3::dyad(arm, along(sub(foot_normal[d], n))));
                 }
-                let bend = solve(&ridged_inverse(m), rhs);
+                // Nothing is known across the interface, nor along what is not solved for.
+                let size = m[0] + m[4] + m[8];
+                m = m.axpy(size, Vec3::dyad(n, n));
+                (0..3).filter(|&k| !solved[k]).for_each(|k| m[4 * k] += size);
+                let bend = solve(&ridged_inverse(m, 1e-6), rhs);
                 let way = along(offset[c]);
                 let turn: Vec3 =
                     std::array::from_fn(|j| (0..3).map(|k| bend[3 * k + j] * way[k]).sum());
@@ -456,14 +460,14 @@ pub(super) fn gradient<T: Differentiable>(
         m = m.axpy(w, Vec3::dyad(arm, arm));
         rhs = rhs.axpy(w, T::dyad(arm, change));
     }
-    solve(&ridged_inverse(m), rhs)
+    solve(&ridged_inverse(m, 1e-9), rhs)
 }
 
-/// The inverse of a symmetric matrix, finite where it is singular (one cell between walls): the
-/// right-hand side is null there, too.
+/// The inverse of a symmetric matrix with a `share` of its trace added to the diagonal, finite
+/// where it is singular (one cell between walls): the right-hand side is null there, too.
 #[inline]
-fn ridged_inverse(mut m: Tensor) -> Tensor {
-    let ridge = 1e-10 * (m[0] + m[4] + m[8]);
+fn ridged_inverse(mut m: Tensor, share: f64) -> Tensor {
+    let ridge = share * (m[0] + m[4] + m[8]);
     (0..3).for_each(|k| m[4 * k] += ridge);
     inverse_symmetric(&m)
 }

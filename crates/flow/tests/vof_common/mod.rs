@@ -105,6 +105,8 @@ pub struct Run {
     pub courant: f64,
     pub seconds: f64,
     pub first_volume: f64,
+    /// Fluid 1 that came and went through the boundary, m3.
+    pub crossed_boundary: f64,
 }
 
 impl Run {
@@ -131,6 +133,7 @@ impl Run {
             courant: 0.0,
             seconds: 0.0,
             first_volume: 0.0,
+            crossed_boundary: 0.0,
         }
     }
 
@@ -170,6 +173,8 @@ impl Run {
             report =
                 vof.advance(exec, mesh, alpha, phi, dt, &Surroundings::default()).expect("a step");
             self.seconds += clock.elapsed().as_secs_f64();
+            let boundary = &self.vof.alpha_phi().data[self.mesh.n_inner..];
+            self.crossed_boundary += dt * boundary.iter().map(|q| q.abs()).sum::<f64>();
             self.time += dt;
             self.steps += 1;
             self.beyond = self.beyond.max(-report.min).max(report.max - 1.0);
