@@ -183,6 +183,38 @@ fn a_shift_of_a_periodic_mesh_changes_nothing() {
     }
 }
 
+/// A sixth of a ring that turns by a sixth: a ball leaves through one side, comes back through the
+/// other, turned, and ends where it was.
+#[test]
+fn ball_in_a_periodic_sector() {
+    for r in ALL {
+        let poly = shapes::annular_sector(0.5, 1.5, [20, 20, 20], 6);
+        let middle = std::f64::consts::FRAC_PI_6;
+        let start = [(1.0, Shape::sphere([middle.cos(), middle.sin(), 0.5], 0.3))];
+        let flow = plane(|x, y| -std::f64::consts::FRAC_PI_6 * (x * x + y * y));
+        let mut run = Run::new(Exec::serial(), poly, &by(r), flow).start(&start);
+        let exact = run.exact(&start);
+        run.go(1.0, 80, |_| 1.0);
+        let e = run.error(&exact);
+        sound(&run, &format!("ball in a sector, {r:?}"), e, 0.08);
+    }
+}
+
+/// A ball on the axis of a wedge, along which it moves.
+#[test]
+fn ball_in_a_wedge() {
+    for r in ALL {
+        let poly = shapes::wedge_ring(0.0, 0.5, 1.0, 20, 40, 2.5f64.to_radians());
+        let ball = |z: f64| [(1.0, Shape::sphere([0.0, 0.0, z], 0.2))];
+        let mut run =
+            Run::new(Exec::serial(), poly, &by(r), uniform([0.0, 0.0, 1.0])).start(&ball(0.3));
+        let exact = run.exact(&ball(0.7));
+        run.go(0.4, 64, |_| 1.0);
+        let e = run.error(&exact);
+        sound(&run, &format!("ball in a wedge, {r:?}"), e, 0.05);
+    }
+}
+
 /// Inflow on one side, outflow on the other: fractions stay within bounds and what is there is
 /// what came in.
 #[test]
