@@ -1,9 +1,9 @@
 //! Shapes carried by known flows, geometric method: shape error, bounds, volume.
 //!
-//! `E1 = sum V |alpha - exact| / sum V exact`. Beside each limit stands what OpenFOAM 1912's
-//! `interIsoFoam` (isoAdvector with iso-surfaces, its own tutorial cases with the same mesh and
-//! time step) gives where it was run; the numbers of Roenby et al. (2016) and Scheufler & Roenby
-//! (2019) are in figures.
+//! `E1 = sum V |alpha - exact| / sum V exact` (Roenby, Bredmose & Jasak, R. Soc. Open Sci. 3 (2016)
+//! 160405; Scheufler & Roenby, J. Comput. Phys. 383 (2019) 1). Beside a limit stands, where it was
+//! run, what OpenFOAM 1912's `interIsoFoam` gives (isoAdvector with iso-surfaces) for its tutorial
+//! case on the same mesh with the same time step.
 
 #![allow(clippy::print_stdout, reason = "tests print what they measured")]
 

@@ -1,7 +1,7 @@
 //! Transport of the volume fraction alpha of the first of two fluids,
 //! `d alpha/dt + div(U alpha) = 0` (model, eq. 9), with the interface kept sharp.
 //!
-//! Two ways, chosen when the case is loaded ([`Scheme`]):
+//! Two ways, chosen when the case is loaded ([`Params`]):
 //! - [`Algebraic`]: bounded flux-corrected transport with an added flux that compresses the
 //!   interface;
 //! - [`Geometric`]: the interface is a plane in every mixed cell, and the fluid that crosses a
