@@ -12,6 +12,7 @@ mod pressure;
 mod state;
 mod step;
 mod viscosity;
+pub mod vof;
 mod work;
 
 pub use anderson::Anderson;
