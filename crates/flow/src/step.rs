@@ -113,6 +113,7 @@ impl Flow {
             let info = self.evaluate_rheology(dt)?;
             add(&mut report.rheology, info);
             report.residuals.viscosity = self.viscosity_residual();
+            self.work.patience.note(report.residuals.viscosity);
             settled = report.residuals.viscosity <= self.numerics.control.viscosity
                 && info.residual <= RHEOLOGY_SOLVED;
             if settled || last {
@@ -133,7 +134,8 @@ impl Flow {
         let control = &self.numerics.control;
         let needed = 0.1 * (control.u / now.u).min(control.p / now.p);
         let (least, most) = if settled { SETTLED } else { MOVING };
-        if needed.is_nan() { most } else { needed.clamp(least, most) }
+        let care = if settled { 1.0 } else { self.work.patience.care };
+        if needed.is_nan() { most } else { needed.clamp(least, most) * care }
     }
 
     /// Residuals of the state as it stands, taken as a steady state (no inertia between steps);
@@ -210,6 +212,7 @@ impl Flow {
         w.clock_start = (state.time, state.step);
         w.fresh = false;
         w.coupled.begin_step();
+        w.patience = Patience::default();
         w.solves = Default::default();
         w.beyond = None;
         state.time += dt;
@@ -323,6 +326,37 @@ impl Flow {
             pressure: &w.pressure[..mesh.n_cells],
             gradient_u: &w.grad_u,
         })
+    }
+}
+
+/// Passes without progress of the viscosity before its noise is suspected.
+const PATIENCE: usize = 4;
+/// A viscosity that stalls is noisy: near yield it depends so steeply on the stress that what
+/// momentum leaves unbalanced shows. Then momentum is solved more exactly for the rest of the step.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Patience {
+    best: f64,
+    since: usize,
+    /// Factor on the reduction asked of momentum and continuity.
+    care: f64,
+}
+
+impl Default for Patience {
+    fn default() -> Self {
+        Patience { best: f64::INFINITY, since: 0, care: 1.0 }
+    }
+}
+
+impl Patience {
+    fn note(&mut self, residual: f64) {
+        if residual < 0.5 * self.best {
+            (self.best, self.since) = (residual, 0);
+            return;
+        }
+        self.since += 1;
+        if self.since >= PATIENCE {
+            (self.since, self.care) = (0, (0.1 * self.care).max(1e-4));
+        }
     }
 }
 

@@ -62,6 +62,7 @@ pub(crate) struct Work {
     /// Sum of the forces at work, from the last momentum residual, N.
     pub(crate) force: f64,
     pub(crate) coupled: Coupled,
+    pub(crate) patience: crate::step::Patience,
 }
 
 impl Work {
@@ -116,6 +117,7 @@ impl Work {
             reconstruction: Reconstruction::new(m),
             force: 0.0,
             coupled: Coupled::new(exec, m),
+            patience: crate::step::Patience::default(),
         }
     }
 }
