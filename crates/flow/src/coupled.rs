@@ -228,7 +228,7 @@ impl Flow {
         let closure = &mut w.p_prime.closure;
         closure.slope.copy_from_slice(&state.p.closure.slope);
         closure.offset.fill(0.0);
-        w.p_eqn.assemble(exec, mesh, &w.p_prime, &(-laplacian(&w.r_at_f)).into())?;
+        w.p_eqn.assemble(exec, mesh, &w.p_prime, &-laplacian(&w.r_at_f))?;
         let viscous = sp(&w.compliance) - laplacian(&w.r_a_f);
         w.coupled.viscous.assemble(exec, mesh, &w.p_prime, &viscous)?;
         let closure = &mut w.coupled.du.closure;
@@ -352,10 +352,7 @@ impl Flow {
 
 /// A system of the preconditioner that was solved badly, or hardly at all, still gives a
 /// direction; only what is not finite stops the step.
-fn settle<T: Value>(
-    result: Result<Solved, SolveError>,
-    x: &mut [T],
-) -> Result<Solved, SolveError> {
+fn settle<T: Value>(result: Result<Solved, SolveError>, x: &mut [T]) -> Result<Solved, SolveError> {
     match result {
         Err(SolveError::NotConverged(solved) | SolveError::Spent(solved)) => Ok(solved),
         Err(SolveError::NotPositiveDefinite { iteration }) => {
