@@ -48,7 +48,10 @@ impl Flow {
     /// Everything of the momentum flux that is not in the matrix, into `work.explicit`.
     fn explicit_momentum_flux(&mut self) {
         let Flow { exec, mesh, state, numerics, work: w, fluid, .. } = self;
-        numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
+        let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
+        if !fluid.rheology.is_constant() || leaning || numerics.convection.needs_gradient() {
+            numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
+        }
         let rho = fluid.rho;
         let phi = &state.phi.data;
         exec.for_each(&mut w.rho_phi.data, |first, out| {
@@ -61,7 +64,7 @@ impl Flow {
             let (u, grad_u) = (&state.u, &w.grad_u);
             operators::transpose_stress_flux(exec, mesh, u, grad_u, &w.eta_f, &mut w.explicit);
         }
-        if mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0 {
+        if leaning {
             operators::non_orthogonal_flux(
                 exec,
                 mesh,

@@ -56,7 +56,6 @@ impl Flow {
     /// What [`Flow::step`] does, with errors as they come.
     pub(crate) fn advance(&mut self, dt: f64) -> Result<Report, StepError> {
         self.begin_step(dt);
-        self.numerics.gradient.of(&self.exec, &self.mesh, &self.state.u, &mut self.work.grad_u);
         self.recall_viscosity(dt)?;
         self.work.anderson.reset();
         let constant = self.fluid.rheology.is_constant();
@@ -153,8 +152,6 @@ impl Flow {
         w.clock_start = (state.time, state.step);
         fluid.rheology.begin_step();
         self.update_conditions();
-        let Flow { exec, mesh, state, work: w, numerics, .. } = self;
-        numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
         self.recall_viscosity(FOREVER)?;
         self.assemble_momentum(FOREVER)?;
         let mut residuals = Residuals {

@@ -35,8 +35,11 @@ impl Flow {
         self.total_pressure();
         let time = self.state.time;
         let n = self.mesh.n_cells;
-        let Flow { exec, mesh, work: w, fluid, state, .. } = self;
+        let Flow { exec, mesh, work: w, fluid, state, numerics, .. } = self;
         // No viscosity yet: the strain rate comes from the cell gradients.
+        if !fluid.rheology.is_constant() {
+            numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
+        }
         let grad_u = &w.grad_u;
         exec.for_each(&mut w.strain_rate[..n], |first, out| {
             for (i, rate) in out.iter_mut().enumerate() {
