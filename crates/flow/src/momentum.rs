@@ -2,7 +2,8 @@
 //!
 //! `d(rho U)/dt + div(rho phi U) - div(eta (grad U + grad U^T)) = -grad p + rho G`
 //!
-//! with the transpose part in conservative form, taken from the last outer iteration.
+//! with the transpose part in conservative form: explicit in the equation, part of the operator
+//! where momentum and continuity are solved together.
 
 use crate::{Flow, StepError, TimeScheme};
 use granflow_base::Value;

@@ -54,7 +54,8 @@ pub enum TimeScheme {
     Backward,
 }
 
-/// A system's solver with its tolerances.
+/// A system's solver with its tolerances. These end the solves of a single pass (PISO); where momentum
+/// and continuity are solved together the solver preconditions, to an accuracy that is fixed.
 pub struct Solve<T> {
     /// The solver, with its work arrays.
     pub solver: Box<dyn LinearSolver<T>>,
@@ -93,11 +94,11 @@ pub struct Numerics {
     pub non_orthogonal: f64,
     /// Most outer iterations of a step.
     pub outer: usize,
-    /// Pressure corrections of an outer iteration.
+    /// Pressure corrections of a single pass (PISO).
     pub correctors: usize,
-    /// Repetitions of a pressure correction for non-orthogonality.
+    /// Repetitions of such a correction for non-orthogonality.
     pub non_orthogonal_correctors: usize,
-    /// Whether momentum is solved before the pressure (else only corrected).
+    /// Whether a single pass solves momentum before the pressure (else only corrects).
     pub predictor: bool,
     /// When to stop the outer iterations early.
     pub control: ResidualControl,

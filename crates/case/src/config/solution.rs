@@ -6,11 +6,16 @@
 //! |---|---|---|
 //! | nOuterCorrectors | 150 | 1 (PISO) |
 //! | nCorrectors | 1 | 2 |
-//! | solver of U | GAMG, relTol 1e-3 (it preconditions the whole viscous operator) | PBiCGStab with DILU, 1e-10 |
+//! | solver of U | GAMG, relTol 1e-3 | PBiCGStab with DILU, 1e-10 |
 //! | solver of p | GAMG, relTol 1e-3 | GAMG, 1e-10 |
 //! | solver of fluidity | PBiCGStab with DILU, 1e-10 (its Jacobian may be indefinite) | |
-//! | residualControl U, p, viscosity | 1e-8 | 1e-8 |
+//! | residualControl U, p | 1e-8 | 1e-8 |
+//! | residualControl viscosity | 1e-7 | |
 //! | residualControl fluidity | 1e-10 | |
+//!
+//! With more than one outer iteration, and for granular models always, momentum and continuity are
+//! solved together: the solvers of U and p precondition, to an accuracy that is fixed, and their
+//! tolerances, nCorrectors, nNonOrthogonalCorrectors and momentumPredictor have no effect.
 
 use crate::Notices;
 use granflow_base::{Dims, Vec3};
@@ -60,7 +65,7 @@ pub struct Solution {
     pub fluidity: LinearSolve,
     /// Most outer iterations of a step.
     pub outer: usize,
-    /// Pressure corrections of an outer iteration.
+    /// Pressure corrections of a single pass (PISO).
     pub correctors: usize,
     /// Repetitions of a correction for non-orthogonality.
     pub non_orthogonal_correctors: usize,
