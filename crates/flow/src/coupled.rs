@@ -8,7 +8,7 @@
 //! Cahouet, J.-P. Chabard, Int. J. Numer. Meth. Fluids 8 (1988) 869). By itself that sweep stalls
 //! or diverges where viscosity varies by decades (its transpose part lies outside the matrix, its
 //! pressure part knows the viscosity of one cell only); as a preconditioner what it gets wrong
-//! costs a direction, not convergence. No relaxation factor is needed and no step is too long.
+//! costs a direction, not convergence. No relaxation factor is needed.
 
 use crate::interpolation::{Interpolated, interpolated_flux};
 use crate::krylov::{DIRECTIONS, Hessenberg};
@@ -89,8 +89,8 @@ impl Coupled {
             .map(|_| Box::new(granflow_fv::conditions::ZeroGradient) as Box<_>)
             .collect();
         Coupled {
-            basis: (0..=DIRECTIONS).map(|_| Pair::new(cells)).collect(),
-            directions: (0..DIRECTIONS).map(|_| Pair::new(cells)).collect(),
+            basis: Vec::new(),
+            directions: Vec::new(),
             du: Unknown::new(m, "dU", Dims::VELOCITY, [0.0; 3], conditions),
             gradient: vec![[0.0; 9]; cells],
             stress: FaceField::new(m, "stress", Dims::FORCE, [0.0; 3]),
@@ -99,6 +99,14 @@ impl Coupled {
             rhs: vec![0.0; m.n_cells],
             second: vec![0.0; cells],
             tightness: 1.0,
+        }
+    }
+    /// Allocates the directions, once: they are most of a flow's memory, and a flow that takes
+    /// single passes never needs them.
+    fn reserve(&mut self, m: &Mesh) {
+        if self.basis.is_empty() {
+            self.basis.extend((0..=DIRECTIONS).map(|_| Pair::new(m.n_all())));
+            self.directions.extend((0..DIRECTIONS).map(|_| Pair::new(m.n_all())));
         }
     }
     /// To be called as a step begins: nothing is carried over from the one before.
@@ -123,6 +131,7 @@ impl Flow {
         dt: f64,
         reduction: f64,
     ) -> Result<[Solved; 2], StepError> {
+        self.work.coupled.reserve(&self.mesh);
         self.update_mobility(dt);
         self.interpolate_flux_of_state(dt);
         self.prepare_preconditioner()?;

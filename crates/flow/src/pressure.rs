@@ -8,7 +8,7 @@
 use crate::{Flow, StepError};
 use granflow_base::Value;
 use granflow_fv::{Surroundings, div_explicit, laplacian, operators};
-use granflow_linsolve::Solved;
+use granflow_linsolve::{Solved, Tolerance};
 
 impl Flow {
     /// One pressure correction: flux, pressure and velocity. `b` of the momentum equation without
@@ -30,16 +30,19 @@ impl Flow {
         for k in 0..=correctors {
             let equation = -laplacian(&w.r_at_f) + div_explicit(&w.phi_star);
             w.p_eqn.assemble(exec, mesh, &w.p_prime, &equation)?;
-            let tolerance =
+            let asked =
                 if last && k == correctors { &numerics.p.last } else { &numerics.p.tolerance };
+            let share = share_of_correction(exec, n, w, &mut state.p.cells.data);
+            let tolerance = Tolerance { abs: asked.abs / share, ..*asked };
             let failed = |source| StepError::Solve { field: "p", time, source };
             numerics.p.solver.refresh(exec, &w.p_eqn.a).map_err(failed)?;
             let p_prime = &mut w.p_prime.cells.data;
-            let result = numerics.p.solver.solve(exec, &w.p_eqn.a, &w.p_eqn.b, p_prime, tolerance);
+            let result = numerics.p.solver.solve(exec, &w.p_eqn.a, &w.p_eqn.b, p_prime, &tolerance);
             let count = &mut w.solves[1];
             let solved = crate::settle_correction(result, p_prime, count).map_err(failed)?;
-            let first = if k == 0 { solved.first } else { done.first };
-            done = Solved { iterations: done.iterations + solved.iterations, first, ..solved };
+            let first = if k == 0 { share * solved.first } else { done.first };
+            let iterations = done.iterations + solved.iterations;
+            done = Solved { iterations, first, last: share * solved.last };
             mesh.halo.update(exec, &mut w.p_prime.cells.data);
             numerics.gradient.of(exec, mesh, &w.p_prime, &mut w.grad_p);
             if skewed && k < correctors {
@@ -79,6 +82,32 @@ impl Flow {
             p.iter_mut().for_each(|p| *p += shift);
         });
     }
+}
+
+/// Size of the equation for the correction p' over that of the equation for p itself: a tolerance
+/// is relative to the pressure, as OpenFOAM's users know it, not to what is left to correct.
+fn share_of_correction(
+    exec: &granflow_par::Exec,
+    n: usize,
+    w: &mut crate::work::Work,
+    p: &mut [f64],
+) -> f64 {
+    let (a, b, product) = (&w.p_eqn.a, &w.p_eqn.b, &mut w.tau);
+    a.apply(exec, p, product);
+    let [sum, cells] = exec.sums(n, |r| [r.clone().map(|c| p[c]).sum(), r.len() as f64]);
+    let mean = sum / cells.max(1.0);
+    let product = &w.tau;
+    let [own, whole] = exec.sums(n, |range| {
+        let mut s = [0.0; 2];
+        for c in range {
+            let row = a.ptr[c] as usize..a.ptr[c + 1] as usize;
+            let varies = product[c] - mean * a.val[row].iter().sum::<f64>();
+            s[0] += b[c].abs();
+            s[1] += varies.abs() + (varies + b[c]).abs();
+        }
+        s
+    });
+    if own > 0.0 && whole > own { own / whole } else { 1.0 }
 }
 
 /// `phi = phi* - D dp'/dn`, the flux that satisfies continuity to the solver's tolerance.
