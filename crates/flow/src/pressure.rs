@@ -79,7 +79,6 @@ impl Flow {
             p.iter_mut().for_each(|p| *p += shift);
         });
     }
-
 }
 
 /// `phi = phi* - D dp'/dn`, the flux that satisfies continuity to the solver's tolerance.
