@@ -14,7 +14,7 @@ use crate::interpolation::{Interpolated, interpolated_flux};
 use crate::krylov::{DIRECTIONS, Hessenberg};
 use crate::{Flow, StepError};
 use granflow_base::{Dims, Tensor, Value, Vec3, norm};
-use granflow_fv::{Equation, FaceField, Unknown, laplacian, operators, sp};
+use granflow_fv::{Convection, Equation, FaceField, Unknown, laplacian, operators, sp};
 use granflow_linsolve::{SolveError, Solved, Tolerance};
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
@@ -314,9 +314,14 @@ impl Flow {
         du.cells.data.copy_from_slice(&z.u);
         w.p_prime.cells.data.copy_from_slice(&z.p);
         let transposed = !fluid.rheology.is_constant();
-        // A limited correction is not linear: it waits for the next cycle.
+        // A limited correction of stress is not linear: it waits for the next cycle. The flux knows
+        // no limit.
         let corrected = leaning && numerics.non_orthogonal >= 1.0;
-        if transposed || corrected {
+        let skewed = mesh.is_skewed();
+        // What central differences lack on skewed faces is linear in the velocity, flux held.
+        // Extrapolation by upwind schemes waits for the next cycle.
+        let carried = skewed && numerics.convection == Convection::Linear;
+        if transposed || corrected || skewed {
             numerics.gradient.of(exec, mesh, du, gradient);
         }
         stress.data.fill([0.0; 3]);
@@ -332,14 +337,24 @@ impl Flow {
                 t.iter_mut().enumerate().for_each(|(i, t)| *t = t.plus(extra[first + i]));
             });
         }
+        if carried {
+            // The weights come out as they are in the matrix: they are the mesh's.
+            let (flux, extra) = (&w.rho_phi.data, &mut w.scratch_f);
+            numerics.convection.weigh(exec, mesh, du, gradient, flux, &mut w.weights, extra);
+            let extra = &w.scratch_f.data;
+            exec.for_each(&mut stress.data[..mesh.n_inner], |first, t| {
+                t.iter_mut().enumerate().for_each(|(i, t)| *t = t.minus(extra[first + i]));
+            });
+        }
         numerics.gradient.of(exec, mesh, &w.p_prime, &mut w.grad_p);
         w.u_eqn.a.apply(exec, &mut z.u, &mut out.u);
         let of = Interpolated {
             u: du,
             cells: &z.u,
+            skewed: skewed.then_some(&gradient[..]),
             p: &w.p_prime,
             grad_p: &w.grad_p,
-            corrected: corrected.then_some(&w.grad_p[..]),
+            corrected: leaning.then_some(&w.grad_p[..]),
             mobility: &w.r_a_f.data,
         };
         interpolated_flux(exec, mesh, &of, flux);

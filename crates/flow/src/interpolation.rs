@@ -6,8 +6,9 @@
 //! the rest, so that a steady flux knows nothing of the time step (A. Cubero, N. Fueyo, Numer.
 //! Heat Transfer B 52 (2007) 507).
 
-use crate::Flow;
-use granflow_base::{Value, Vec3, dot};
+use crate::work::Work;
+use crate::{Flow, State};
+use granflow_base::{Tensor, Value, Vec3, dot};
 use granflow_fv::{FaceField, Unknown, operators};
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
@@ -21,6 +22,8 @@ pub(crate) struct Interpolated<'a> {
     pub(crate) u: &'a Unknown<Vec3>,
     /// Velocity in cells and ghosts, m/s.
     pub(crate) cells: &'a [Vec3],
+    /// Its gradient where faces are skewed, 1/s.
+    pub(crate) skewed: Option<&'a [Tensor]>,
     /// The pressure and
     pub(crate) p: &'a Unknown<f64>,
     /// its gradient in cells and ghosts, Pa/m.
@@ -38,8 +41,11 @@ pub(crate) fn interpolated_flux(
     of: &Interpolated<'_>,
     phi: &mut FaceField<f64>,
 ) {
-    let Interpolated { u, cells, p, grad_p, corrected, mobility } = of;
+    let Interpolated { u, cells, skewed, p, grad_p, corrected, mobility } = of;
     operators::flux(exec, mesh, u, cells, phi);
+    if let Some(gradient) = skewed {
+        operators::add_skew_flux(exec, mesh, 1.0, gradient, phi);
+    }
     exec.for_each(&mut phi.data, |first, out| {
         for (i, phi) in out.iter_mut().enumerate() {
             let f = first + i;
@@ -108,10 +114,15 @@ impl Flow {
         {
             let Flow { exec, mesh, state, numerics, work: w, .. } = self;
             numerics.gradient.of(exec, mesh, &state.p, &mut w.grad_p);
+            let skewed = mesh.is_skewed();
+            if skewed {
+                numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
+            }
             let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
             let of = Interpolated {
                 u: &state.u,
                 cells: &state.u.cells.data,
+                skewed: skewed.then_some(&w.grad_u[..]),
                 p: &state.p,
                 grad_p: &w.grad_p,
                 corrected: leaning.then_some(&w.grad_p[..]),
@@ -130,6 +141,11 @@ impl Flow {
             let n = mesh.n_cells;
             w.u_eqn.jacobi(exec, &state.u.cells.data, &mut w.hby_a[..n]);
             numerics.gradient.of(exec, mesh, &state.p, &mut w.grad_p);
+            // Of the velocity as it stands: hby_a has no conditions of its own.
+            let skewed = mesh.is_skewed();
+            if skewed {
+                numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
+            }
             let (r_a, grad_p) = (&w.r_a.data, &w.grad_p);
             exec.for_each(&mut w.hby_a[..n], |first, u| {
                 for (i, u) in u.iter_mut().enumerate() {
@@ -142,6 +158,7 @@ impl Flow {
             let of = Interpolated {
                 u: &state.u,
                 cells: &w.hby_a,
+                skewed: skewed.then_some(&w.grad_u[..]),
                 p: &state.p,
                 grad_p: &w.grad_p,
                 corrected: leaning.then_some(&w.grad_p[..]),
@@ -152,6 +169,35 @@ impl Flow {
         self.remember_flux(dt, |flow| &mut flow.work.phi_star);
     }
 
+    /// What skewness adds to the interpolated old velocities, weighted as [`Self::remember_flux`]
+    /// does, into `work.skew_start`. Called at the old time, with the state as a restart has it.
+    pub(crate) fn remember_skewness(&mut self, dt: f64) {
+        if !self.mesh.is_skewed() {
+            return;
+        }
+        let c = self.ddt_coefficients(dt);
+        self.update_conditions();
+        let Flow { exec, mesh, state, numerics, work: w, .. } = self;
+        let Work { skew_start: out, grad_u, .. } = w;
+        out.data.fill(0.0);
+        for (k, older) in [(c[1], false), (-c[2], true)] {
+            if k == 0.0 {
+                continue;
+            }
+            // The conditions of the time before are gone: the old ones stand in for them.
+            let swap =
+                |state: &mut State| std::mem::swap(&mut state.u.cells.data, &mut state.u_old);
+            if older {
+                swap(state);
+            }
+            numerics.gradient.of(exec, mesh, &state.u, grad_u);
+            if older {
+                swap(state);
+            }
+            operators::add_skew_flux(exec, mesh, k, grad_u, out);
+        }
+    }
+
     /// Adds to the flux what the old ones were ahead of the interpolated old velocities.
     fn remember_flux(&mut self, dt: f64, of: impl Fn(&mut Flow) -> &mut FaceField<f64>) {
         let c = self.ddt_coefficients(dt);
@@ -159,6 +205,7 @@ impl Flow {
         let mut phi = std::mem::take(&mut of(self).data);
         let Flow { exec, mesh, state, work: w, .. } = self;
         let (r_a_f, phi_start, u_start) = (&w.r_a_f.data, &w.phi_start, &w.u_start);
+        let skew = mesh.is_skewed().then_some(&w.skew_start.data);
         let (phi_old, u_old) = (&state.phi_old, &state.u_old);
         exec.for_each(&mut phi[..mesh.n_inner], |first, out| {
             for (i, phi) in out.iter_mut().enumerate() {
@@ -170,6 +217,9 @@ impl Flow {
                 let mut ahead = c[1] * (phi_start[f] - interpolated(u_start));
                 if c[2] != 0.0 {
                     ahead -= c[2] * (phi_old[f] - interpolated(u_old));
+                }
+                if let Some(skew) = skew {
+                    ahead -= skew[f];
                 }
                 *phi += r_a_f[f] * per_step * ahead;
             }

@@ -86,7 +86,7 @@ impl Flow {
             &mut w.weights,
             &mut w.scratch_f,
         );
-        if numerics.convection == granflow_fv::Convection::LinearUpwind {
+        if numerics.convection.corrects(mesh) {
             add_faces(exec, mesh.n_inner, -1.0, &w.scratch_f.data, &mut w.explicit.data);
         }
     }

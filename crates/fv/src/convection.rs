@@ -1,8 +1,10 @@
 //! Convection schemes: the value a flux carries through a face.
 //!
 //! A scheme gives every inner face the weight of its owner (implicit, so that `linear` is truly
-//! central) and, where it extrapolates from the upwind cell, an explicit correction.
+//! central) and, where it extrapolates from the upwind cell or to the centre of a skewed face, an
+//! explicit correction. Limited schemes have none: their value lies between those of the cells.
 
+use crate::operators::skew_part;
 use crate::{Differentiable, FaceField, Limiter, LimiterKind, LimiterVisitor, Unknown};
 use granflow_base::{scale, sub};
 use granflow_mesh::Mesh;
@@ -32,12 +34,20 @@ impl Convection {
         }
     }
     /// Whether the scheme reads the gradient of the field.
-    pub fn needs_gradient(self) -> bool {
-        matches!(self, Convection::LinearUpwind | Convection::Limited(_))
+    pub fn needs_gradient(self, mesh: &Mesh) -> bool {
+        matches!(self, Convection::Limited(_)) || self.corrects(mesh)
+    }
+    /// Whether the scheme has an explicit correction.
+    pub fn corrects(self, mesh: &Mesh) -> bool {
+        match self {
+            Convection::LinearUpwind => true,
+            Convection::Linear => mesh.is_skewed(),
+            Convection::Upwind | Convection::Limited(_) => false,
+        }
     }
     /// Owner weights of the inner faces for the flux `flux`, into `weights`, and the explicit
-    /// correction times the flux into `correction` (zero where the scheme has none). `gradient`
-    /// holds the cell gradients (ghosts included) if [`Self::needs_gradient`].
+    /// correction times the flux into `correction` (untouched unless [`Self::corrects`]).
+    /// `gradient` holds the cell gradients (ghosts included) if [`Self::needs_gradient`].
     #[expect(clippy::too_many_arguments, reason = "inputs and outputs of one kernel, spelled out")]
     pub fn weigh<T: Differentiable>(
         self,
@@ -58,6 +68,13 @@ impl Convection {
             }
             Convection::Linear => {
                 exec.for_each(w, |k, w| w.copy_from_slice(&mesh.weight[k..k + w.len()]));
+                if self.corrects(mesh) {
+                    exec.for_each(&mut correction.data[..inner], |k, out| {
+                        for (i, c) in out.iter_mut().enumerate() {
+                            *c = skew_part::<T>(mesh, gradient, k + i).scaled(flux[k + i]);
+                        }
+                    });
+                }
             }
             Convection::LinearUpwind => {
                 exec.for_each(w, |k, w| (0..w.len()).for_each(|i| w[i] = upwind(k + i)));

@@ -3,9 +3,16 @@
 //! `Gauss linear`: Gauss's theorem with linearly interpolated face values, second order on
 //! regular meshes. `leastSquares`: the gradient that fits the neighbours best with weights
 //! 1/|d|^2 (Barth & Jespersen 1989), exact for linear fields on any mesh.
+//!
+//! Neither has its values where it needs them on every mesh. Interpolation hits a point beside
+//! the centre of a skewed face, and a boundary condition that leaves the value free gives it at
+//! the foot of the normal from the cell's centre, not at the centre of a leaning face. Both lack
+//! a known vector times the gradient. Taking the cell's own, `g = g0 + C g`, leaves three
+//! equations a cell, solved in place: exact for linear fields, with no second pass and no
+//! neighbours in it.
 
 use crate::{Differentiable, Unknown};
-use granflow_base::{Tensor, Value, Vec3, dot, inverse_symmetric, scale};
+use granflow_base::{IDENTITY, Tensor, Value, Vec3, cross, dot, inverse_symmetric, scale, sub};
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
 
@@ -55,6 +62,8 @@ impl Gradient {
         out: &mut [T::Gradient],
     ) {
         let own = &mut out[..mesh.n_cells];
+        let leaning = mesh.max_nonorth_deg > 0.1;
+        let skewed = mesh.is_skewed();
         match self {
             Gradient::GaussLinear => exec.for_each(own, |first, out| {
                 for (i, g) in out.iter_mut().enumerate() {
@@ -63,7 +72,26 @@ impl Gradient {
                     for (f, s) in mesh.faces_of(c) {
                         sum = sum.axpy(s, T::dyad(mesh.area[f], phi.face_value(mesh, f)));
                     }
-                    *g = sum.scaled(1.0 / mesh.volume[c]);
+                    let per_volume = 1.0 / mesh.volume[c];
+                    *g = sum.scaled(per_volume);
+                    let leans = |f: usize| {
+                        f >= mesh.n_inner && dot(mesh.nonorth[f], mesh.nonorth[f]) > UPRIGHT
+                    };
+                    if skewed || leaning && mesh.faces_of(c).any(|(f, _)| leans(f)) {
+                        // Gauss's theorem for the places that the values belong to would give
+                        // the unit tensor; on warped faces even their centres do not.
+                        let mut lack = IDENTITY;
+                        for (f, s) in mesh.faces_of(c) {
+                            let beside = match mesh.skew.get(f) {
+                                Some(&skew) => skew,
+                                None => beside_foot(mesh, phi, f),
+                            };
+                            let place = sub(mesh.face_centre[f], beside);
+                            let arm = sub(place, mesh.cell_centre[c]);
+                            lack = lack.axpy(-s * per_volume, Vec3::dyad(mesh.area[f], arm));
+                        }
+                        *g = completed::<T>(*g, &lack);
+                    }
                 }
             }),
             Gradient::LeastSquares(ls) => exec.for_each(own, |first, out| {
@@ -71,6 +99,7 @@ impl Gradient {
                     let c = first + i;
                     let here = phi.cells.data[c];
                     let mut sum = T::Gradient::ZERO;
+                    let mut lack = [0.0; 9];
                     for (f, s) in mesh.faces_of(c) {
                         let there = if f >= mesh.n_inner {
                             phi.boundary_value(mesh, f)
@@ -82,11 +111,58 @@ impl Gradient {
                         let d = scale(mesh.delta[f], s);
                         let ld = granflow_base::apply(&ls.inverse[c], d);
                         sum = sum.axpy(1.0 / dot(d, d), T::dyad(ld, there.minus(here)));
+                        if leaning && f >= mesh.n_inner {
+                            let beside = beside_foot(mesh, phi, f);
+                            lack = lack.axpy(1.0 / dot(d, d), Vec3::dyad(ld, beside));
+                        }
                     }
-                    *g = sum;
+                    *g = if lack == [0.0; 9] { sum } else { completed::<T>(sum, &lack) };
                 }
             }),
         }
         mesh.halo.update(exec, out);
     }
+}
+
+/// From the foot of the normal, where the condition gives a free value, to the centre of boundary
+/// face `f`; null where the value is given, and in part between. What slips along a wall stays:
+/// its condition turns the vector as well.
+#[inline]
+fn beside_foot<T: Differentiable>(mesh: &Mesh, phi: &Unknown<T>, f: usize) -> Vec3 {
+    let b = f - mesh.n_inner;
+    if phi.closure.normal[b] != 0.0 {
+        return [0.0; 3];
+    }
+    scale(mesh.nonorth[f], -phi.closure.slope[b] / mesh.inv_dist[f])
+}
+
+/// Square of the tangent of a boundary face's lean that is rounding.
+const UPRIGHT: f64 = 1e-12;
+
+/// Most that completing may multiply a gradient by. Cells beyond it are so distorted that values
+/// extrapolated by their own gradient mean nothing; they keep the gradient they have.
+const MOST: f64 = 4.0;
+
+/// The `g` of `g = g0 + lack . g`.
+#[inline]
+fn completed<T: Differentiable>(g0: T::Gradient, lack: &Tensor) -> T::Gradient {
+    let row = |i: usize| {
+        let mut r = [-lack[3 * i], -lack[3 * i + 1], -lack[3 * i + 2]];
+        r[i] += 1.0;
+        r
+    };
+    let (x, y, z) = (row(0), row(1), row(2));
+    let columns = [cross(y, z), cross(z, x), cross(x, y)];
+    let det = dot(x, columns[0]);
+    let size: f64 = columns.iter().map(|c| dot(*c, *c)).sum();
+    if det <= 0.0 || size > MOST * MOST * det * det {
+        return g0;
+    }
+    let mut g = T::Gradient::ZERO;
+    for (i, column) in columns.iter().enumerate() {
+        let mut along = [0.0; 3];
+        along[i] = 1.0 / det;
+        g = g.plus(T::dyad(*column, T::along(g0, along)));
+    }
+    g
 }

@@ -79,6 +79,7 @@ impl Mesh {
             global_cell: (0..n_cells as u32).collect(),
             solved_dirs,
             max_nonorth_deg: 0.0,
+            max_skew: 0.0,
         };
         for f in 0..poly.n_inner() {
             let nb = poly.neighbour[f];
@@ -126,6 +127,16 @@ impl Mesh {
             .clamp(-1.0, 1.0)
             .acos()
             .to_degrees();
+        // Wedge faces do not make a mesh skewed: nothing passes them that their partner does not
+        // give back.
+        let wedge = |p: &&Patch| p.kind == PatchKind::Wedge;
+        let images: Vec<u32> =
+            m.patches.iter().filter(wedge).flat_map(|p| p.coupled_faces.clone()).collect();
+        let relative = |f: usize| norm(m.skew[f]) / norm(m.delta[f]);
+        m.max_skew = (0..m.n_inner)
+            .filter(|f| images.binary_search(&(*f as u32)).is_err())
+            .map(relative)
+            .fold(0.0, f64::max);
         Ok(m)
     }
 

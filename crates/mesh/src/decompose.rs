@@ -172,6 +172,7 @@ impl<'w> Cut<'w> {
             global_cell: cells.to_vec(),
             solved_dirs: whole.solved_dirs,
             max_nonorth_deg: whole.max_nonorth_deg,
+            max_skew: whole.max_skew,
         };
         Cut { whole, mesh }
     }
