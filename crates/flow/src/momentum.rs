@@ -50,7 +50,7 @@ impl Flow {
     fn explicit_momentum_flux(&mut self) {
         let Flow { exec, mesh, state, numerics, work: w, fluid, .. } = self;
         let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
-        if !fluid.rheology.is_constant() || leaning || numerics.convection.needs_gradient() {
+        if !fluid.rheology.is_constant() || leaning || numerics.convection.needs_gradient(mesh) {
             numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
         }
         let rho = fluid.rho;
