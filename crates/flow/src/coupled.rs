@@ -174,7 +174,7 @@ impl Flow {
             let length = next.dot(exec, n, next).sqrt();
             if !small.push(&products[..=j], length)
                 || small.residual() <= reduction * size
-                || length <= 1e-14 * size
+                || length <= 1e-14
             {
                 break;
             }

@@ -85,6 +85,7 @@ impl Flow {
             } else {
                 self.measure(dt, constant, k == outer, &mut report)?
             };
+            self.check_residuals(&report.residuals)?;
             report.converged = k > 0 && settled && report.residuals.within(&self.numerics.control);
             if report.converged || k == outer {
                 break;
@@ -269,6 +270,27 @@ impl Flow {
             s
         });
         if gross == 0.0 { 0.0 } else { net / gross }
+    }
+
+    /// A residual that is no number stops the step: fields that are still finite may be worthless.
+    /// The residuals are those of all ranks, which therefore stop together.
+    fn check_residuals(&self, now: &Residuals) -> Result<(), StepError> {
+        if now.u.is_finite() && now.p.is_finite() {
+            return Ok(());
+        }
+        self.check_finite()?;
+        let (u, r, time) = (&self.state.u.cells.data, &self.work.residual, self.state.time);
+        let worst = |c: &usize| if norm(r[*c]).is_finite() { norm(u[*c]) } else { f64::INFINITY };
+        let cell = (0..self.mesh.n_cells).max_by(|a, b| worst(a).total_cmp(&worst(b)));
+        let Some(cell) = cell else { return Err(StepError::Elsewhere { time }) };
+        Err(StepError::NotFinite {
+            field: "the residual of U",
+            cell: self.mesh.global_cell[cell] as usize,
+            place: self.mesh.cell_centre[cell],
+            time,
+            cause: "the outer iteration diverged: start from a field nearer to the flow, or with \
+                    shorter steps",
+        })
     }
 
     fn check_finite(&self) -> Result<(), StepError> {

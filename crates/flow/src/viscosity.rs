@@ -133,7 +133,9 @@ impl Flow {
             }
             let shortest = mesh.faces_of(c).map(|(f, _)| mesh.inv_dist[f]).fold(0.0, f64::max);
             let rounding = ROUNDING * granflow_base::norm(u[c]) * shortest / rate[c];
-            ((g[c] - y[c]).abs() - rounding).max(0.0)
+            let change = (g[c] - y[c]).abs() - rounding;
+            // What is no number is no small change.
+            if change.is_nan() { f64::INFINITY } else { change.max(0.0) }
         };
         self.exec.max(n, |r| r.map(change).fold(0.0, f64::max))
     }
