@@ -16,6 +16,8 @@ pub(crate) struct Tally {
     began_at: f64,
     /// Time, length and relative change of velocity of the last full step.
     last: Option<(f64, f64, f64)>,
+    /// Whether the last step did not converge.
+    adrift: bool,
     written: Vec<String>,
     /// Linear solves of U, pressure and fluidity.
     solves: [SolveCount; 3],
@@ -32,6 +34,7 @@ impl Tally {
         let r = &event.report;
         self.steps += 1;
         self.unconverged += usize::from(!r.converged);
+        self.adrift = !r.converged;
         self.beyond = r.rheology.beyond.filter(|_| !r.converged);
         let g = &r.rheology;
         self.solves[0] += r.solves[0];
@@ -115,6 +118,12 @@ impl Tally {
     /// How far the flow would still move if it went on at its last rate for as long as this run.
     fn steadiness(&self) -> Option<String> {
         let (time, dt, change) = self.last?;
+        if self.adrift {
+            // What stands still need not be a solution.
+            return Some(
+                "the last step did not converge: nothing is said of a steady state".into(),
+            );
+        }
         let span = time - self.began_at;
         let drift = change / dt * span;
         let (word, rate) = match drift {
@@ -175,5 +184,7 @@ mod tests {
         let says = |t: Tally| t.steadiness().unwrap();
         assert!(says(tally(1.0, 1e-6)).starts_with("steady: in another 10 s"));
         assert!(says(tally(1e-4, 1e-6)).starts_with("not steady"), "small steps change little");
+        let adrift = Tally { adrift: true, ..tally(1.0, 1e-6) };
+        assert!(!says(adrift).starts_with("steady"), "what did not converge is not steady");
     }
 }

@@ -299,6 +299,7 @@ impl Flow {
                 p[i] = p1[c] + second[c];
             }
         });
+        crate::momentum::keep_solved(exec, mesh, &mut z.u);
         Ok([of_u.iterations, of_p1.iterations + of_p2.iterations])
     }
 
@@ -371,6 +372,7 @@ impl Flow {
                 p[i] = net / scales.flux;
             }
         });
+        crate::momentum::keep_solved(exec, mesh, &mut out.u);
     }
 }
 

@@ -6,8 +6,9 @@
 //! where momentum and continuity are solved together.
 
 use crate::{Flow, StepError, TimeScheme};
-use granflow_base::Value;
+use granflow_base::{Value, Vec3};
 use granflow_fv::{Ddt, ddt, div, div_explicit, laplacian, operators, source};
+use granflow_mesh::Mesh;
 
 impl Flow {
     /// Coefficients of the time scheme for this step.
@@ -96,6 +97,7 @@ impl Flow {
         let Flow { exec, mesh, state, work: w, .. } = self;
         w.u_eqn.a.residual(exec, &w.b, &mut state.u.cells.data, &mut w.residual);
         let n = mesh.n_cells;
+        keep_solved(exec, mesh, &mut w.residual);
         let (a, b, r, u) = (&w.u_eqn.a, &w.b, &w.residual, &state.u.cells.data);
         // Forces: what walls, neighbours in relative motion, inertia and sources exert.
         let [imbalance, force] = exec.sums(n, |range| {
@@ -118,6 +120,18 @@ impl Flow {
         w.force = force;
         if force == 0.0 { 0.0 } else { imbalance / force }
     }
+}
+
+/// Forces out of the plane of a plane mesh: nothing moves there, and what rounding leaves of them
+/// must not make it move.
+pub(crate) fn keep_solved(exec: &granflow_par::Exec, mesh: &Mesh, force: &mut [Vec3]) {
+    if mesh.solved_dirs == [true; 3] {
+        return;
+    }
+    let keep = mesh.solved_dirs.map(|solved| if solved { 1.0 } else { 0.0 });
+    exec.for_each(&mut force[..mesh.n_cells], |_, force| {
+        force.iter_mut().for_each(|f| (0..3).for_each(|k| f[k] *= keep[k]));
+    });
 }
 
 /// Sum of the off-diagonal entries of a row.

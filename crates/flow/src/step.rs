@@ -32,7 +32,8 @@ pub struct Flow {
 }
 
 impl Flow {
-    /// Puts the parts together and allocates everything a step needs.
+    /// Puts the parts together and allocates what a step needs, but for the directions of coupled
+    /// passes, which the first of them allocates.
     pub fn new(
         exec: Exec,
         mesh: Arc<Mesh>,
@@ -153,18 +154,23 @@ impl Flow {
         w.clock_start = (state.time, state.step);
         fluid.rheology.begin_step();
         self.update_conditions();
-        self.recall_viscosity(FOREVER)?;
-        self.assemble_momentum(FOREVER)?;
+        let measured = self.measured_without_inertia(FOREVER);
+        self.rollback();
+        measured
+    }
+
+    fn measured_without_inertia(&mut self, forever: f64) -> Result<Residuals, StepError> {
+        self.recall_viscosity(forever)?;
+        self.assemble_momentum(forever)?;
         let mut residuals = Residuals {
             u: self.momentum_residual(),
             p: self.continuity_residual(),
             viscosity: 0.0,
         };
         if !self.fluid.rheology.is_constant() {
-            self.evaluate_rheology(FOREVER)?;
+            self.evaluate_rheology(forever)?;
             residuals.viscosity = self.viscosity_residual();
         }
-        self.rollback();
         Ok(residuals)
     }
 

@@ -271,7 +271,7 @@ fn ranks_agree(
 /// Converged far below what is compared: ranks precondition differently, so only the solution of
 /// the equations is the same.
 fn to_the_bottom(mut n: Numerics) -> Numerics {
-    n.control = granflow_flow::ResidualControl { u: 1e-10, p: 1e-10, viscosity: 1e-9 };
+    n.control = granflow_flow::ResidualControl { u: 1e-11, p: 1e-12, viscosity: 1e-10 };
     n.u = solve_loosely("PBiCGStab", "DILU", 1e-3);
     n.p = solve_loosely("PCG", "DIC", 1e-6);
     n
@@ -285,7 +285,7 @@ fn ranks_agree_ngf(form: Form, dt: f64) {
         annular(exec, mesh, to_the_bottom(numerics(200, 1)), form, own)
     });
     println!("{form:?}: U p phi ln(g) differ by {}", short(&d));
-    assert!(d.iter().all(|d| *d < 1e-7), "{form:?}: {}", short(&d));
+    assert!(d.iter().all(|d| *d < 1e-8), "{form:?}: {}", short(&d));
 }
 
 #[test]
@@ -295,7 +295,7 @@ fn ranks_agree_steady_ngf() {
 
 #[test]
 fn ranks_agree_primitive_ngf() {
-    ranks_agree_ngf(Form::Primitive { t0: 1e-3 }, 1e-3);
+    ranks_agree_ngf(Form::Primitive { t0: 1e-3 }, 1e-4);
 }
 
 #[test]
