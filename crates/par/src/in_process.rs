@@ -30,12 +30,61 @@ struct State {
     generation: usize,
     /// What each rank brought to the present collective call.
     slots: Vec<Vec<f64>>,
-    /// Messages from rank `i` to rank `j` at `i * size + j`, oldest first.
-    mail: Vec<VecDeque<Vec<f64>>>,
-    /// Used buffers.
-    spare: Vec<Vec<f64>>,
+    /// Messages from rank `i` to rank `j` at `i * size + j`.
+    mail: Vec<Channel>,
     /// A rank has panicked: the others must not wait for it.
     dead: bool,
+}
+
+/// Messages on their way from one rank to another, and the buffers they travel in.
+///
+/// A rank can be one exchange ahead of its peer, no more: it has to read the peer's answer before
+/// it sends again. Two buffers for each message of an exchange are therefore enough whatever the
+/// threads' timing is, and all of them exist after the first exchange.
+#[derive(Clone, Default)]
+struct Channel {
+    /// Oldest first.
+    letters: VecDeque<Vec<f64>>,
+    spare: Vec<Vec<f64>>,
+    /// Buffers made so far, on their way or spare.
+    buffers: usize,
+    /// Length of the longest message so far.
+    longest: usize,
+}
+
+impl Channel {
+    /// Makes room for `messages` of an exchange, each no longer than `longest`.
+    fn reserve(&mut self, messages: usize, longest: usize) {
+        if longest > self.longest {
+            self.longest = longest;
+            self.spare.iter_mut().for_each(|b| b.reserve(longest));
+        }
+        if self.buffers < 2 * messages {
+            let new = 2 * messages - self.buffers;
+            self.spare.reserve(2 * messages);
+            self.letters.reserve(2 * messages);
+            self.spare.extend((0..new).map(|_| Vec::with_capacity(self.longest)));
+            self.buffers += new;
+        }
+    }
+    fn send(&mut self, data: &[f64]) {
+        let mut letter = self.spare.pop().unwrap_or_else(|| {
+            self.buffers += 1;
+            Vec::new()
+        });
+        letter.extend_from_slice(data);
+        self.letters.push_back(letter);
+    }
+    /// Reads the oldest message into `data`.
+    fn receive(&mut self, data: &mut Vec<f64>) {
+        if let Some(mut letter) = self.letters.pop_front() {
+            data.clear();
+            data.extend_from_slice(&letter);
+            letter.clear();
+            letter.reserve(self.longest);
+            self.spare.push(letter);
+        }
+    }
 }
 
 impl InProcess {
@@ -47,8 +96,7 @@ impl InProcess {
                 arrived: 0,
                 generation: 0,
                 slots: vec![Vec::new(); n],
-                mail: vec![VecDeque::new(); n * n],
-                spare: Vec::new(),
+                mail: vec![Channel::default(); n * n],
                 dead: false,
             }),
             changed: Condvar::new(),
@@ -137,20 +185,17 @@ impl Comm for InProcess {
     fn exchange(&self, peers: &[usize], sends: &[Vec<f64>], recvs: &mut [Vec<f64>]) {
         let n = self.board.size;
         let mut s = self.lock();
+        for &p in peers {
+            let to_p = || peers.iter().zip(sends).filter(|(q, _)| **q == p).map(|(_, d)| d.len());
+            s.mail[self.rank * n + p].reserve(to_p().count(), to_p().max().unwrap_or(0));
+        }
         for (&p, data) in peers.iter().zip(sends) {
-            let mut letter = s.spare.pop().unwrap_or_default();
-            letter.clear();
-            letter.extend_from_slice(data);
-            s.mail[self.rank * n + p].push_back(letter);
+            s.mail[self.rank * n + p].send(data);
         }
         self.board.changed.notify_all();
         for (&p, data) in peers.iter().zip(recvs) {
-            s = self.wait(s, |s| !s.mail[p * n + self.rank].is_empty());
-            if let Some(letter) = s.mail[p * n + self.rank].pop_front() {
-                data.clear();
-                data.extend_from_slice(&letter);
-                s.spare.push(letter);
-            }
+            s = self.wait(s, |s| !s.mail[p * n + self.rank].letters.is_empty());
+            s.mail[p * n + self.rank].receive(data);
         }
     }
     fn barrier(&self) {
