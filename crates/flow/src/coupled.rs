@@ -78,6 +78,8 @@ pub(crate) struct Coupled {
     second: Vec<f64>,
     /// Accuracy of the preconditioner's velocity, over [`VELOCITY`]'s.
     tightness: f64,
+    /// Of the last pass.
+    scales: Scales,
 }
 
 impl Coupled {
@@ -99,6 +101,7 @@ impl Coupled {
             rhs: vec![0.0; m.n_cells],
             second: vec![0.0; cells],
             tightness: 1.0,
+            scales: Scales { force: 1.0, flux: 1.0 },
         }
     }
     /// Allocates the directions, once: they are most of a flow's memory, and a flow that takes
@@ -137,21 +140,8 @@ impl Flow {
         self.prepare_preconditioner()?;
         let scales = self.scales();
         let n = self.mesh.n_cells;
-        {
-            let Flow { exec, mesh, state, work: w, .. } = self;
-            let first = &mut w.coupled.basis[0];
-            let (residual, phi) = (&w.residual, &state.phi.data);
-            exec.for_each2(&mut first.u[..n], &mut first.p[..n], |from, u, p| {
-                for i in 0..u.len() {
-                    let c = from + i;
-                    u[i] = residual[c].scaled(1.0 / scales.force);
-                    let net: f64 = mesh.faces_of(c).map(|(f, s)| s * phi[f]).sum();
-                    p[i] = -net / scales.flux;
-                }
-            });
-        }
-        let exec = &self.exec;
-        let size = self.work.coupled.basis[0].dot(exec, n, &self.work.coupled.basis[0]).sqrt();
+        self.work.coupled.scales = scales;
+        let size = self.imbalance();
         let mut done = [Solved { iterations: 0, first: size, last: size }; 2];
         if size == 0.0 || !size.is_finite() {
             return Ok(done);
@@ -189,6 +179,24 @@ impl Flow {
         self.interpolate_flux_of_state(dt);
         done.iter_mut().for_each(|d| d.last = small.residual());
         Ok(done)
+    }
+
+    /// Norm of what momentum and continuity lack, in the units of the last pass; the residuals
+    /// themselves are left in the first vector of the basis.
+    pub(crate) fn imbalance(&mut self) -> f64 {
+        let Flow { exec, mesh, state, work: w, .. } = self;
+        let (n, scales) = (mesh.n_cells, w.coupled.scales);
+        let first = &mut w.coupled.basis[0];
+        let (residual, phi) = (&w.residual, &state.phi.data);
+        exec.for_each2(&mut first.u[..n], &mut first.p[..n], |from, u, p| {
+            for i in 0..u.len() {
+                let c = from + i;
+                u[i] = residual[c].scaled(1.0 / scales.force);
+                let net: f64 = mesh.faces_of(c).map(|(f, s)| s * phi[f]).sum();
+                p[i] = -net / scales.flux;
+            }
+        });
+        w.coupled.basis[0].dot(exec, n, &w.coupled.basis[0]).sqrt()
     }
 
     /// Adds the best combination of the directions to velocity and pressure.
@@ -328,6 +336,11 @@ impl Flow {
         stress.data.fill([0.0; 3]);
         if transposed {
             operators::transpose_stress_flux(exec, mesh, du, gradient, &w.eta_f, stress);
+        }
+        if w.newton.active {
+            let of = (&*du, &gradient[..]);
+            let (at, dp) = ((&w.strain_rate[..], &w.eta_f), &w.p_prime.cells.data);
+            w.newton.add_change_of_viscosity(exec, mesh, &w.reconstruction, of, dp, at, stress);
         }
         if corrected {
             let (eta, all) = (&w.eta_f, numerics.non_orthogonal);

@@ -7,6 +7,7 @@ mod interpolation;
 mod interrupt;
 mod krylov;
 mod momentum;
+mod newton;
 mod predictor;
 mod pressure;
 mod state;

@@ -42,7 +42,8 @@ impl Flow {
         gravity: Gravity,
         numerics: Numerics,
     ) -> Self {
-        let work = Work::new(&exec, &mesh, fluid.rho, gravity.driving, &state.p);
+        let local = fluid.rheology.is_local() && !fluid.rheology.is_constant();
+        let work = Work::new(&exec, &mesh, (fluid.rho, local), gravity.driving, &state.p);
         let fixed = [if state.p.fixes_level(&mesh) { 1.0 } else { 0.0 }];
         let mut any = fixed;
         exec.comm().max(&mut any);
@@ -79,6 +80,10 @@ impl Flow {
             self.give_up_if_asked()?;
             // In the first pass nothing has moved yet, but the walls and the clock.
             let settled = if k == 0 {
+                if self.has_newton() {
+                    self.evaluate_rheology(dt)?;
+                    self.accept_viscosity();
+                }
                 self.assemble_momentum(dt)?;
                 report.residuals.u = self.momentum_residual();
                 report.residuals.p = self.continuity_residual();
@@ -117,7 +122,7 @@ impl Flow {
             self.work.patience.note(report.residuals.viscosity);
             settled = report.residuals.viscosity <= self.numerics.control.viscosity
                 && info.residual <= RHEOLOGY_SOLVED;
-            if settled || last {
+            if settled || last || self.has_newton() {
                 self.accept_viscosity();
             } else {
                 self.mix_viscosity();
@@ -190,7 +195,11 @@ impl Flow {
         report: &mut Report,
     ) -> Result<(), StepError> {
         if self.is_coupled() {
-            let [u, p] = self.solve_coupled(dt, wanted)?;
+            let [u, p] = if self.has_newton() {
+                self.newton_pass(dt, wanted)?
+            } else {
+                self.solve_coupled(dt, wanted)?
+            };
             note(&mut report.u, &mut report.iterations[0], u);
             note(&mut report.p, &mut report.iterations[1], p);
             return Ok(());
@@ -217,6 +226,7 @@ impl Flow {
         w.clock_start = (state.time, state.step);
         w.fresh = false;
         w.coupled.begin_step();
+        w.newton.begin_step();
         w.patience = Patience::default();
         w.solves = Default::default();
         w.beyond = None;
@@ -336,15 +346,8 @@ impl Flow {
         } else {
             self.recall_viscosity(self.state.dt_old.max(f64::MIN_POSITIVE))?;
         }
-        let Flow { exec, mesh, work: w, state, .. } = self;
-        w.reconstruction.viscous_stress(exec, mesh, &state.u, &w.grad_u, &w.eta_f, &mut w.stress);
-        let (stress, eta) = (&w.stress, &w.eta.data);
-        exec.for_each(&mut w.strain_rate[..mesh.n_cells], |first, out| {
-            for (i, rate) in out.iter_mut().enumerate() {
-                let c = first + i;
-                *rate = granflow_physics::rheology::magnitude(&stress[c]) / eta[c];
-            }
-        });
+        self.strain_rate_of_state();
+        let Flow { mesh, work: w, .. } = self;
         Ok(Derived {
             strain_rate: &w.strain_rate[..mesh.n_cells],
             viscosity: &w.eta.data[..mesh.n_cells],

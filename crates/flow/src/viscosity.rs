@@ -35,18 +35,24 @@ impl Flow {
         self.total_pressure();
         let time = self.state.time;
         let n = self.mesh.n_cells;
-        let Flow { exec, mesh, work: w, fluid, state, numerics, .. } = self;
-        // No viscosity yet: the strain rate comes from the cell gradients.
-        if !fluid.rheology.is_constant() {
+        // No viscosity yet: the strain rate comes from the velocity alone.
+        if !self.fluid.rheology.is_constant() {
+            let local = self.has_newton();
+            let Flow { exec, mesh, work: w, state, numerics, .. } = self;
             numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
-        }
-        let grad_u = &w.grad_u;
-        exec.for_each(&mut w.strain_rate[..n], |first, out| {
-            for (i, rate) in out.iter_mut().enumerate() {
-                let g = &grad_u[first + i];
-                *rate = (2.0 * granflow_base::double_dot_sym(g)).sqrt();
+            if local {
+                self.local_strain_rate();
+            } else {
+                let grad_u = &w.grad_u;
+                exec.for_each(&mut w.strain_rate[..n], |first, out| {
+                    for (i, rate) in out.iter_mut().enumerate() {
+                        let g = &grad_u[first + i];
+                        *rate = (2.0 * granflow_base::double_dot_sym(g)).sqrt();
+                    }
+                });
             }
-        });
+        }
+        let Flow { exec, mesh, work: w, fluid, state, .. } = self;
         let view = FlowView {
             exec,
             mesh,
@@ -68,22 +74,21 @@ impl Flow {
         Ok(())
     }
 
-    /// What the rheology makes of the flow: `eta_new` from the mean stress of each cell. The
-    /// strain rate it sees is that stress over the viscosity it was computed with, which is what
-    /// keeps steep profiles exact (see [`granflow_fv::Reconstruction::viscous_stress`]).
+    /// What the rheology makes of the flow, into `eta_new`. The strain rate that a local law sees
+    /// is that of the velocity; a model with a field of its own sees the mean stress of the cell
+    /// over the viscosity it was computed with, which is what keeps steep profiles exact (see
+    /// [`granflow_fv::Reconstruction::viscous_stress`]).
     pub(crate) fn evaluate_rheology(&mut self, dt: f64) -> Result<RheologyInfo, StepError> {
         self.total_pressure();
         let time = self.state.time;
         let n = self.mesh.n_cells;
-        let Flow { exec, mesh, work: w, fluid, state, numerics, .. } = self;
+        let Flow { exec, mesh, work: w, state, numerics, .. } = self;
         numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
-        w.reconstruction.viscous_stress(exec, mesh, &state.u, &w.grad_u, &w.eta_f, &mut w.stress);
-        let (stress, eta) = (&w.stress, &w.eta.data);
-        exec.for_each2(&mut w.tau[..n], &mut w.strain_rate[..n], |first, tau, rate| {
-            for i in 0..tau.len() {
-                tau[i] = magnitude(&stress[first + i]);
-                rate[i] = tau[i] / eta[first + i];
-            }
+        self.strain_rate_of_state();
+        let Flow { exec, mesh, work: w, fluid, state, .. } = self;
+        let (rate, eta) = (&w.strain_rate, &w.eta.data);
+        exec.for_each(&mut w.tau[..n], |first, tau| {
+            tau.iter_mut().enumerate().for_each(|(i, t)| *t = eta[first + i] * rate[first + i]);
         });
         let view = FlowView {
             exec,
@@ -100,12 +105,40 @@ impl Flow {
             .rheology
             .update(&view, &mut w.eta_new)
             .map_err(|source| StepError::Rheology { time, source })?;
+        if fluid.rheology.is_local() && !fluid.rheology.is_constant() {
+            fluid.rheology.slopes(&view, &mut w.newton.rate_slope, &mut w.newton.pressure_slope);
+        }
         w.beyond = info.beyond;
         let eta_new = &w.eta_new.data;
         exec.for_each(&mut w.g_of_y, |first, y| {
             y.iter_mut().enumerate().for_each(|(i, y)| *y = eta_new[first + i].max(LEAST).ln());
         });
         Ok(info)
+    }
+
+    /// The strain rate that the rheology sees, into `work.strain_rate`. The cell gradients of
+    /// velocity must be up to date.
+    pub(crate) fn strain_rate_of_state(&mut self) {
+        if self.has_newton() {
+            return self.local_strain_rate();
+        }
+        let Flow { exec, mesh, work: w, state, .. } = self;
+        w.reconstruction.viscous_stress(exec, mesh, &state.u, &w.grad_u, &w.eta_f, &mut w.stress);
+        let (stress, eta) = (&w.stress, &w.eta.data);
+        exec.for_each(&mut w.strain_rate[..mesh.n_cells], |first, out| {
+            for (i, rate) in out.iter_mut().enumerate() {
+                *rate = magnitude(&stress[first + i]) / eta[first + i];
+            }
+        });
+    }
+
+    /// Takes `eta_new` in cells and on faces, but leaves the logarithms where the pass began.
+    pub(crate) fn try_viscosity(&mut self) {
+        let n = self.mesh.n_cells;
+        let Flow { exec, mesh, work: w, .. } = self;
+        w.eta.data[..n].copy_from_slice(&w.eta_new.data[..n]);
+        mesh.halo.update(exec, &mut w.eta.data);
+        viscosity_on_faces(exec, mesh, false, &w.eta.data, &mut w.eta_f);
     }
 
     /// Ghosts, faces and logarithms of `eta`.

@@ -1,6 +1,7 @@
 //! Scratch of a step: allocated once, and any of it may be garbage between steps.
 
 use crate::coupled::Coupled;
+use crate::newton::Newton;
 use crate::{Anderson, SolveCount};
 use granflow_base::{Dims, Tensor, Vec3};
 use granflow_fv::{CellField, Equation, FaceField, Reconstruction, Unknown};
@@ -64,11 +65,18 @@ pub(crate) struct Work {
     /// Sum of the forces at work, from the last momentum residual, N.
     pub(crate) force: f64,
     pub(crate) coupled: Coupled,
+    pub(crate) newton: Newton,
     pub(crate) patience: crate::step::Patience,
 }
 
 impl Work {
-    pub(crate) fn new(exec: &Exec, m: &Mesh, rho: f64, driving: Vec3, p: &Unknown<f64>) -> Self {
+    pub(crate) fn new(
+        exec: &Exec,
+        m: &Mesh,
+        (rho, local): (f64, bool),
+        driving: Vec3,
+        p: &Unknown<f64>,
+    ) -> Self {
         let cells = m.n_cells + m.n_ghosts;
         let mobility = Dims::TIME.div(Dims::DENSITY);
         let conditions = m
@@ -120,6 +128,7 @@ impl Work {
             reconstruction: Reconstruction::new(m),
             force: 0.0,
             coupled: Coupled::new(exec, m),
+            newton: Newton::new(m, local),
             patience: crate::step::Patience::default(),
         }
     }

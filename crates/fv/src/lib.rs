@@ -9,6 +9,7 @@ mod field;
 mod gradient;
 mod limiter;
 pub mod operators;
+mod reconstruction;
 mod term;
 mod unknown;
 
@@ -19,6 +20,6 @@ pub use equation::{DimError, Equation};
 pub use field::{Cell, CellField, Face, FaceField, Field};
 pub use gradient::{Gradient, LeastSquares};
 pub use limiter::{Limiter, LimiterKind, LimiterVisitor};
-pub use operators::Reconstruction;
+pub use reconstruction::Reconstruction;
 pub use term::{Ddt, Term, Terms, ddt, div, div_explicit, laplacian, source, sp};
 pub use unknown::Unknown;

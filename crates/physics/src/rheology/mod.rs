@@ -43,10 +43,28 @@ pub struct Point {
     pub density: f64,
 }
 
+/// Relative step of the central differences of a law: their error is its square.
+const DIFFERENCE: f64 = 1e-4;
+
 /// A law that needs nothing but the point.
 pub trait LocalLaw: Send + Sync {
     /// Dynamic viscosity, Pa s; finite and positive for any strain rate, zero included.
     fn viscosity(&self, at: Point) -> f64;
+    /// `d ln(viscosity)/d ln(strain rate)`, and `d ln(viscosity)/d pressure` in 1/Pa: central
+    /// differences, unless a law knows better.
+    fn slopes(&self, at: Point) -> [f64; 2] {
+        let ln = |at: Point| self.viscosity(at).ln();
+        let step = |k: f64| Point { strain_rate: at.strain_rate * k, ..at };
+        let (up, down) = (1.0 + DIFFERENCE, 1.0 - DIFFERENCE);
+        let rate = (ln(step(up)) - ln(step(down))) / (up.ln() - down.ln());
+        let pressure = if self.reads_pressure() && at.pressure != 0.0 {
+            let step = |k: f64| Point { pressure: at.pressure * k, ..at };
+            (ln(step(up)) - ln(step(down))) / (2.0 * DIFFERENCE * at.pressure)
+        } else {
+            0.0
+        };
+        [rate, pressure]
+    }
     /// Whether the viscosity is the same everywhere and always.
     fn is_constant(&self) -> bool {
         false
@@ -71,7 +89,8 @@ pub struct FlowView<'a> {
     pub time: f64,
     /// Time step, s.
     pub dt: f64,
-    /// Strain rate in the cells, 1/s: the mean stress of the cell over its viscosity.
+    /// Strain rate in the cells, 1/s: the mean stress of the cell over its viscosity where the
+    /// model owns a field, the mean over the cell's faces where it is local.
     pub strain_rate: &'a [f64],
     /// Magnitude of the cells' mean viscous stress, Pa, where it is known (not before the first
     /// momentum solve of a step).
@@ -82,6 +101,17 @@ pub struct FlowView<'a> {
     pub density: &'a [f64],
     /// Volume flux through the faces, m3/s.
     pub flux: &'a FaceField<f64>,
+}
+
+impl FlowView<'_> {
+    /// The flow in cell `c`.
+    pub fn point(&self, c: usize) -> Point {
+        Point {
+            strain_rate: self.strain_rate[c],
+            pressure: self.pressure[c],
+            density: self.density[c],
+        }
+    }
 }
 
 /// What one evaluation did.
@@ -135,6 +165,13 @@ pub trait Rheology: Send {
     fn recall(&mut self, _view: &FlowView<'_>, _eta: &mut CellField<f64>) -> bool {
         false
     }
+    /// For a model that [is local](Self::is_local), the slopes of its viscosity's logarithm in the
+    /// cells: `d ln(eta)/d ln(rate)` and `d ln(eta)/dP` (1/Pa).
+    fn slopes(&self, _view: &FlowView<'_>, _rate: &mut [f64], _pressure: &mut [f64]) {}
+    /// Whether the viscosity of a cell depends on nothing but its strain rate and pressure.
+    fn is_local(&self) -> bool {
+        false
+    }
     /// Whether the viscosity never changes, so that nothing is iterated for its sake.
     fn is_constant(&self) -> bool {
         false
@@ -170,26 +207,24 @@ impl<L: LocalLaw + ?Sized> Rheology for Local<L> {
         v: &FlowView<'_>,
         eta: &mut CellField<f64>,
     ) -> Result<RheologyInfo, RheologyError> {
-        let constant = self.0.is_constant();
         v.exec.for_each(&mut eta.data[..v.mesh.n_cells], |first, out| {
             for (i, eta) in out.iter_mut().enumerate() {
-                let c = first + i;
-                let at = Point {
-                    strain_rate: v.strain_rate[c],
-                    pressure: v.pressure[c],
-                    density: v.density[c],
-                };
-                *eta = self.0.viscosity(at);
-                if let (Some(stress), false) = (v.stress, constant) {
-                    // Halfway between holding the strain rate, which is right where walls drive
-                    // the flow, and holding the stress, which is right where forces do.
-                    let held = at_stress(&*self.0, at, stress[c]);
-                    *eta = (*eta * held).sqrt();
-                }
+                *eta = self.0.viscosity(v.point(first + i));
             }
         });
         let beyond = self.0.grains().and_then(|g| beyond::beyond(v, &g));
         Ok(RheologyInfo { beyond, ..RheologyInfo::default() })
+    }
+    fn slopes(&self, v: &FlowView<'_>, rate: &mut [f64], pressure: &mut [f64]) {
+        let n = v.mesh.n_cells;
+        v.exec.for_each2(&mut rate[..n], &mut pressure[..n], |first, rate, pressure| {
+            for i in 0..rate.len() {
+                [rate[i], pressure[i]] = self.0.slopes(v.point(first + i));
+            }
+        });
+    }
+    fn is_local(&self) -> bool {
+        true
     }
     fn is_constant(&self) -> bool {
         self.0.is_constant()
@@ -200,26 +235,6 @@ impl<L: LocalLaw + ?Sized> Rheology for Local<L> {
     fn grains(&self) -> Option<Granular> {
         self.0.grains()
     }
-}
-
-/// The viscosity at which the law carries the stress `tau` (Pa): `viscosity(rate) rate = tau`, by
-/// bisection in the logarithm of the rate. Stress must grow with the rate.
-fn at_stress<L: LocalLaw + ?Sized>(law: &L, at: Point, tau: f64) -> f64 {
-    if tau <= 0.0 {
-        return law.viscosity(Point { strain_rate: 0.0, ..at });
-    }
-    let carried = |ln_rate: f64| {
-        let rate = ln_rate.exp();
-        law.viscosity(Point { strain_rate: rate, ..at }) * rate
-    };
-    let middle = at.strain_rate.max(f64::MIN_POSITIVE).ln();
-    // Thirty decades below and twenty above what flows now.
-    let (mut low, mut high) = (middle - 69.0, middle + 46.0);
-    for _ in 0..60 {
-        let ln_rate = 0.5 * (low + high);
-        if carried(ln_rate) < tau { low = ln_rate } else { high = ln_rate }
-    }
-    tau / (0.5 * (low + high)).exp()
 }
 
 /// What reading a rheology may depend on.
