@@ -4,7 +4,8 @@
 //! in place of the interpolated one (C. M. Rhie, W. L. Chow, AIAA J. 21 (1983) 1525), and the old
 //! flux in place of the interpolated old velocity. The mobility of a face keeps inertia apart from
 //! the rest, so that a steady flux knows nothing of the time step (A. Cubero, N. Fueyo, Numer.
-//! Heat Transfer B 52 (2007) 507).
+//! Heat Transfer B 52 (2007) 507). Open boundaries are faces like others: `u_f` is there what the
+//! condition makes of the cell's velocity.
 
 use crate::work::Work;
 use crate::{Flow, State};
@@ -59,8 +60,7 @@ pub(crate) fn interpolated_flux(
                 None => {
                     // Where the cell's velocity leaves through the boundary, its own pressure
                     // gradient is in it already.
-                    let b = f - mesh.n_inner;
-                    let open = u.closure.slope[b] * (1.0 - u.closure.normal[b]);
+                    let open = open_share(u, f - mesh.n_inner);
                     if open > 0.0 { open * dot(grad_p[o], mesh.area[f]) } else { 0.0 }
                 }
             };
@@ -130,7 +130,7 @@ impl Flow {
             };
             interpolated_flux(exec, mesh, &of, &mut state.phi);
         }
-        self.remember_flux(dt, |flow| &mut flow.state.phi);
+        self.add_memory(dt, |flow| &mut flow.state.phi);
     }
 
     /// The flux (into `phi_star`) of the velocity that momentum gives each cell from its
@@ -166,64 +166,72 @@ impl Flow {
             };
             interpolated_flux(exec, mesh, &of, &mut w.phi_star);
         }
-        self.remember_flux(dt, |flow| &mut flow.work.phi_star);
+        self.add_memory(dt, |flow| &mut flow.work.phi_star);
     }
 
-    /// What skewness adds to the interpolated old velocities, weighted as [`Self::remember_flux`]
-    /// does, into `work.skew_start`. Called at the old time, with the state as a restart has it.
-    pub(crate) fn remember_skewness(&mut self, dt: f64) {
-        if !self.mesh.is_skewed() {
-            return;
-        }
+    /// What the old fluxes are ahead of the flux of the old velocities, weighted as the time scheme
+    /// does, into `work.ahead`. Called at the old time, with the state as a restart has it.
+    pub(crate) fn remember_flux(&mut self, dt: f64) {
         let c = self.ddt_coefficients(dt);
         self.update_conditions();
         let Flow { exec, mesh, state, numerics, work: w, .. } = self;
-        let Work { skew_start: out, grad_u, .. } = w;
-        out.data.fill(0.0);
+        let Work { ahead, phi_star: plain, grad_u, .. } = w;
+        ahead.data.fill(0.0);
         for (k, older) in [(c[1], false), (-c[2], true)] {
             if k == 0.0 {
                 continue;
             }
             // The conditions of the time before are gone: the old ones stand in for them.
-            let swap =
-                |state: &mut State| std::mem::swap(&mut state.u.cells.data, &mut state.u_old);
+            let swap = |state: &mut State| {
+                std::mem::swap(&mut state.u.cells.data, &mut state.u_old);
+                std::mem::swap(&mut state.phi.data, &mut state.phi_old);
+            };
             if older {
                 swap(state);
             }
-            numerics.gradient.of(exec, mesh, &state.u, grad_u);
+            operators::flux(exec, mesh, &state.u, &state.u.cells.data, plain);
+            if mesh.is_skewed() {
+                numerics.gradient.of(exec, mesh, &state.u, grad_u);
+                operators::add_skew_flux(exec, mesh, 1.0, grad_u, plain);
+            }
+            let (phi, plain) = (&state.phi.data, &plain.data);
+            exec.for_each(&mut ahead.data, |first, out| {
+                for (i, ahead) in out.iter_mut().enumerate() {
+                    let f = first + i;
+                    *ahead += k * (phi[f] - plain[f]);
+                }
+            });
             if older {
                 swap(state);
             }
-            operators::add_skew_flux(exec, mesh, k, grad_u, out);
         }
+        // A boundary has a flux of its own where its velocity or its pressure leaves it one.
+        let (u, p) = (&state.u, &state.p);
+        exec.for_each(&mut ahead.data[mesh.n_inner..], |first, out| {
+            for (i, ahead) in out.iter_mut().enumerate() {
+                let b = first + i;
+                *ahead *= open_share(u, b).max(1.0 - p.closure.slope[b]);
+            }
+        });
     }
 
-    /// Adds to the flux what the old ones were ahead of the interpolated old velocities.
-    fn remember_flux(&mut self, dt: f64, of: impl Fn(&mut Flow) -> &mut FaceField<f64>) {
-        let c = self.ddt_coefficients(dt);
+    /// Adds to the flux what the old ones were ahead of the old velocities, as far as inertia holds
+    /// it: from then on the steady flux is that of a mobility without inertia.
+    fn add_memory(&mut self, dt: f64, of: impl Fn(&mut Flow) -> &mut FaceField<f64>) {
         let per_step = self.fluid.rho / dt;
         let mut phi = std::mem::take(&mut of(self).data);
-        let Flow { exec, mesh, state, work: w, .. } = self;
-        let (r_a_f, phi_start, u_start) = (&w.r_a_f.data, &w.phi_start, &w.u_start);
-        let skew = mesh.is_skewed().then_some(&w.skew_start.data);
-        let (phi_old, u_old) = (&state.phi_old, &state.u_old);
-        exec.for_each(&mut phi[..mesh.n_inner], |first, out| {
+        let (r_a_f, ahead) = (&self.work.r_a_f.data, &self.work.ahead.data);
+        self.exec.for_each(&mut phi, |first, out| {
             for (i, phi) in out.iter_mut().enumerate() {
                 let f = first + i;
-                let (o, n, w) =
-                    (mesh.owner[f] as usize, mesh.neighbour[f] as usize, mesh.weight[f]);
-                let interpolated =
-                    |x: &[Vec3]| dot(x[o].scaled(w).axpy(1.0 - w, x[n]), mesh.area[f]);
-                let mut ahead = c[1] * (phi_start[f] - interpolated(u_start));
-                if c[2] != 0.0 {
-                    ahead -= c[2] * (phi_old[f] - interpolated(u_old));
-                }
-                if let Some(skew) = skew {
-                    ahead -= skew[f];
-                }
-                *phi += r_a_f[f] * per_step * ahead;
+                *phi += r_a_f[f] * per_step * ahead[f];
             }
         });
         of(self).data = phi;
     }
+}
+
+/// How much of its cell's normal velocity goes through boundary face `b`.
+fn open_share(u: &Unknown<Vec3>, b: usize) -> f64 {
+    (u.closure.slope[b] - u.closure.normal[b]).max(0.0)
 }

@@ -217,7 +217,7 @@ impl Flow {
     }
 
     fn begin_step(&mut self, dt: f64) {
-        self.remember_skewness(dt);
+        self.remember_flux(dt);
         let Flow { state, work: w, fluid, .. } = self;
         w.u_start.copy_from_slice(&state.u.cells.data);
         w.p_start.copy_from_slice(&state.p.cells.data);

@@ -16,8 +16,8 @@ pub(crate) struct Work {
     pub(crate) rho: CellField<f64>,
     pub(crate) rho_phi: FaceField<f64>,
     pub(crate) phi_start: Vec<f64>,
-    /// What skewness adds to the interpolated old velocities.
-    pub(crate) skew_start: FaceField<f64>,
+    /// What the old fluxes are ahead of the flux of the old velocities.
+    pub(crate) ahead: FaceField<f64>,
     pub(crate) u_start: Vec<Vec3>,
     pub(crate) p_start: Vec<f64>,
     /// Time and number of the step before the present one.
@@ -91,7 +91,7 @@ impl Work {
             rho: CellField::new(m, "rho", Dims::DENSITY, rho),
             rho_phi: FaceField::new(m, "rhoPhi", Dims::MASS_FLUX, 0.0),
             phi_start: vec![0.0; m.n_faces()],
-            skew_start: FaceField::new(m, "skewPhi", Dims::VOLUME_FLUX, 0.0),
+            ahead: FaceField::new(m, "phi", Dims::VOLUME_FLUX, 0.0),
             u_start: vec![[0.0; 3]; cells],
             p_start: vec![0.0; cells],
             clock_start: (0.0, 0),
