@@ -5,7 +5,7 @@
 //! Doormaal, G. D. Raithby, Numer. Heat Transfer 7 (1984) 147): dt/rho inside the flow however
 //! large the viscosity is, so that no relaxation is needed.
 
-use crate::{Flow, StepError};
+use crate::{Flow, Purpose, StepError};
 use granflow_base::Value;
 use granflow_fv::{Surroundings, div_explicit, laplacian, operators};
 use granflow_linsolve::{Solved, Tolerance};
@@ -39,7 +39,8 @@ impl Flow {
             let p_prime = &mut w.p_prime.cells.data;
             let result = numerics.p.solver.solve(exec, &w.p_eqn.a, &w.p_eqn.b, p_prime, &tolerance);
             let count = &mut w.solves[1];
-            let solved = crate::settle_correction(result, p_prime, count).map_err(failed)?;
+            let solved =
+                crate::settle(result, p_prime, Purpose::Correction, count).map_err(failed)?;
             let first = if k == 0 { share * solved.first } else { done.first };
             let iterations = done.iterations + solved.iterations;
             done = Solved { iterations, first, last: share * solved.last };

@@ -181,7 +181,7 @@ impl Flow {
 
     /// Whether momentum and pressure are solved together, until their residuals are small: always
     /// where the viscosity follows the pressure, and where more than one outer pass was asked for.
-    fn is_coupled(&self) -> bool {
+    pub(crate) fn is_coupled(&self) -> bool {
         self.numerics.outer > 1 || self.fluid.rheology.reads_pressure()
     }
 
