@@ -1,6 +1,7 @@
 //! One time step, top to bottom: conditions, then outer iterations of momentum, pressure and
 //! viscosity until the residuals of one and the same state are small, then the report.
 
+use crate::failure::is_sound;
 use crate::work::Work;
 use crate::{Fluid, Gravity, Numerics, Report, Residuals, State, StepError};
 use granflow_base::norm;
@@ -76,6 +77,7 @@ impl Flow {
             self.end_step(dt, &mut report)?;
             return Ok(report);
         }
+        report.coupled = true;
         for k in 0..=outer {
             self.give_up_if_asked()?;
             // In the first pass nothing has moved yet, but the walls and the clock.
@@ -92,6 +94,7 @@ impl Flow {
                 self.measure(dt, constant, k == outer, &mut report)?
             };
             self.check_residuals(&report.residuals)?;
+            self.work.residuals = report.residuals;
             report.converged = k > 0 && settled && report.residuals.within(&self.numerics.control);
             if report.converged || k == outer {
                 break;
@@ -114,9 +117,10 @@ impl Flow {
         last: bool,
         report: &mut Report,
     ) -> Result<bool, StepError> {
-        let mut settled = true;
+        let (mut settled, mut beyond) = (true, None);
         if !constant {
             let info = self.evaluate_rheology(dt)?;
+            beyond = info.beyond;
             add(&mut report.rheology, info);
             report.residuals.viscosity = self.viscosity_residual();
             self.work.patience.note(report.residuals.viscosity);
@@ -131,6 +135,11 @@ impl Flow {
         self.assemble_momentum(dt)?;
         report.residuals.u = self.momentum_residual();
         report.residuals.p = self.continuity_residual();
+        // Stress in a state that is far from a flow says nothing of the grains.
+        if is_sound(&report.residuals) {
+            self.work.beyond = beyond;
+        }
+        report.rheology.beyond = self.work.beyond;
         Ok(settled)
     }
 
@@ -230,6 +239,7 @@ impl Flow {
         w.patience = Patience::default();
         w.solves = Default::default();
         w.beyond = None;
+        w.residuals = Residuals::default();
         state.time += dt;
         state.step += 1;
         self.update_conditions();
@@ -427,5 +437,4 @@ fn add(total: &mut RheologyInfo, one: RheologyInfo) {
     total.iterations += one.iterations;
     total.unconverged += one.unconverged;
     total.residual = one.residual;
-    total.beyond = one.beyond;
 }

@@ -2,7 +2,7 @@
 
 use crate::coupled::Coupled;
 use crate::newton::Newton;
-use crate::{Anderson, SolveCount};
+use crate::{Anderson, Residuals, SolveCount};
 use granflow_base::{Dims, Tensor, Vec3};
 use granflow_fv::{CellField, Equation, FaceField, Reconstruction, Unknown};
 use granflow_mesh::Mesh;
@@ -24,8 +24,10 @@ pub(crate) struct Work {
     pub(crate) clock_start: (f64, usize),
     /// Linear solves of the present step: momentum, pressure.
     pub(crate) solves: [SolveCount; 2],
-    /// Where the last evaluation of the rheology in this step found too much stress.
+    /// Where the last sound state of this step had too much stress.
     pub(crate) beyond: Option<Beyond>,
+    /// Residuals of the last state of this step.
+    pub(crate) residuals: Residuals,
     /// Whether `eta` is the viscosity that the last step accepted.
     pub(crate) fresh: bool,
     /// ln(viscosity) of the outer iteration and what the rheology made of it.
@@ -97,6 +99,7 @@ impl Work {
             clock_start: (0.0, 0),
             solves: Default::default(),
             beyond: None,
+            residuals: Residuals::default(),
             fresh: false,
             y: vec![0.0; m.n_cells],
             g_of_y: vec![0.0; m.n_cells],
