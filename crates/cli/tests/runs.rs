@@ -60,6 +60,45 @@ fn quiet_means_quiet() {
 }
 
 #[test]
+fn quiet_runs_do_not_talk_of_figures_either() {
+    let plot = "FoamFile { version 2.0; format ascii; class dictionary; object plotDict; }
+        figures { gap { curves ( { file \"postProcessing/none/<time>/a.csv\"; x \"x\"; y \"U_x\"; } ); } }";
+    for (flag, silent) in [("--quiet", true), ("--share=64", false)] {
+        let case = cavity();
+        case.put("system/plotDict", plot.as_bytes());
+        let out = case.run(&["run", flag]);
+        assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+        assert_eq!(out.stderr.is_empty(), silent, "{}", text(&out.stderr));
+    }
+}
+
+#[test]
+fn a_finished_run_is_at_a_hundred_percent() {
+    // It ends within half a step of its end.
+    let out =
+        ring().edit("system/controlDict", "endTime         0.3;", "endTime 0.32;").run(&["run"]);
+    let said = text(&out.stdout);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    assert!(said.lines().any(|l| l.starts_with("100 %  t 0.3 s  ")), "{said}");
+}
+
+#[test]
+fn an_end_before_the_start_is_refused() {
+    let case = ring();
+    assert_eq!(case.run(&["run"]).status.code(), Some(0));
+    let before = case.tree();
+    for until in ["0.1", "0.26"] {
+        let out = case.run(&["run", "--until", until]);
+        let said = text(&out.stderr);
+        assert_eq!(out.status.code(), Some(2), "{said}");
+        let message =
+            format!("error: --until {until} lies before the start at 0.3 s (directory 0.3)");
+        assert!(said.contains(&message) && said.contains("= help: give a later --until"), "{said}");
+        assert!(case.tree() == before, "--until {until} changed something");
+    }
+}
+
+#[test]
 fn mesh_and_init_do_their_part_and_nothing_else() {
     let case = ring();
     let out = case.run(&["mesh"]);
