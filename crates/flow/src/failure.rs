@@ -1,6 +1,6 @@
 //! Why a step failed, in terms of the physics where that is known.
 
-use crate::{Flow, Report, Residuals, StepError};
+use crate::{Flow, Report, ResidualControl, Residuals, StepError};
 use granflow_physics::rheology::Beyond;
 
 /// Greatest residual of momentum and of continuity at which stress over pressure tells of the
@@ -10,6 +10,38 @@ const SOUND: f64 = 1e-2;
 /// Whether a state is near enough to a flow to be judged.
 pub(crate) fn is_sound(residuals: &Residuals) -> bool {
     residuals.u <= SOUND && residuals.p <= SOUND
+}
+
+/// Growth of the residuals over their best after which passes are given up, and passes without a
+/// new best.
+const LOST: f64 = 1e6;
+const TIRED: usize = 40;
+
+/// Whether more outer passes may help.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hope {
+    best: f64,
+    since: usize,
+}
+
+impl Default for Hope {
+    fn default() -> Self {
+        Hope { best: f64::INFINITY, since: 0 }
+    }
+}
+
+impl Hope {
+    /// To be asked once a pass, with the residuals it came to.
+    pub(crate) fn is_left(&mut self, now: &Residuals, control: &ResidualControl) -> bool {
+        let over =
+            (now.u / control.u).max(now.p / control.p).max(now.viscosity / control.viscosity);
+        if over < self.best {
+            *self = Hope { best: over, since: 0 };
+        } else {
+            self.since += 1;
+        }
+        self.since < TIRED && over <= LOST * self.best
+    }
 }
 
 impl Flow {

@@ -175,7 +175,8 @@ pub struct Report {
     pub solves: [SolveCount; 2],
     /// The rheology's own work, summed over the step.
     pub rheology: RheologyInfo,
-    /// Mean and greatest Courant number.
+    /// Courant numbers, half the flux through a cell's faces times the step over its volume: mean over
+    /// the volume, and the greatest.
     pub courant: [f64; 2],
     /// Greatest change of velocity in the step over the greatest velocity.
     pub change: f64,

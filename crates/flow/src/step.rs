@@ -1,7 +1,7 @@
 //! One time step, top to bottom: conditions, then outer iterations of momentum, pressure and
 //! viscosity until the residuals of one and the same state are small, then the report.
 
-use crate::failure::is_sound;
+use crate::failure::{Hope, is_sound};
 use crate::work::Work;
 use crate::{Fluid, Gravity, Numerics, Report, Residuals, State, StepError};
 use granflow_base::norm;
@@ -78,6 +78,7 @@ impl Flow {
             return Ok(report);
         }
         report.coupled = true;
+        let mut hope = Hope::default();
         for k in 0..=outer {
             self.give_up_if_asked()?;
             // In the first pass nothing has moved yet, but the walls and the clock.
@@ -99,9 +100,19 @@ impl Flow {
             if report.converged || k == outer {
                 break;
             }
+            if k > 0 && !hope.is_left(&report.residuals, &self.numerics.control) {
+                // As a last pass does: what is left behind is the rheology's own.
+                if !constant {
+                    self.accept_viscosity();
+                }
+                break;
+            }
             report.outer = k + 1;
             let wanted = self.wanted_reduction(settled, &report.residuals);
             self.correct(dt, wanted, k + 1 == outer, &mut report)?;
+        }
+        if report.residuals.p > self.numerics.control.p {
+            self.project_flux(report.residuals.p)?;
         }
         self.end_step(dt, &mut report)?;
         Ok(report)
@@ -253,13 +264,14 @@ impl Flow {
             max2(exec, mesh.n_cells, |c| [norm(granflow_base::sub(u[c], old[c])), norm(u[c])]);
         report.change = if most > 0.0 { change / most } else { 0.0 };
         let phi = &state.phi.data;
-        let courant = |c: usize| {
-            0.5 * dt * mesh.faces_of(c).map(|(f, _)| phi[f].abs()).sum::<f64>() / mesh.volume[c]
-        };
+        let crossing =
+            |c: usize| 0.5 * dt * mesh.faces_of(c).map(|(f, _)| phi[f].abs()).sum::<f64>();
         let n = mesh.n_cells;
-        let [sum, cells] = exec.sums(n, |r| [r.clone().map(courant).sum(), r.len() as f64]);
-        let greatest = exec.max(n, |r| r.map(courant).fold(0.0, f64::max));
-        report.courant = [sum / cells.max(1.0), greatest];
+        let of = |c: usize| [crossing(c), mesh.volume[c]];
+        let [crossed, volume] =
+            exec.sums(n, |r| r.map(of).fold([0.0; 2], |[a, b], [x, y]| [a + x, b + y]));
+        let greatest = exec.max(n, |r| r.map(|c| crossing(c) / mesh.volume[c]).fold(0.0, f64::max));
+        report.courant = [crossed / volume, greatest];
         report.solves = w.solves;
         state.u_old.copy_from_slice(&w.u_start);
         state.phi_old.copy_from_slice(&w.phi_start);

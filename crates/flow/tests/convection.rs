@@ -53,6 +53,7 @@ fn converges(convection: Convection, eta: f64, solver: &str, dt: f64) -> usize {
         let r = flow.step(dt).unwrap_or_else(|e| panic!("{what}: {e}"));
         println!("{what}: {} passes {:?}", r.outer, r.residuals);
         assert!(r.converged, "{what}: {r:?}");
+        assert!(r.solves.iter().all(|s| s.all >= r.outer), "solves are counted: {r:?}");
         most = most.max(r.outer);
     }
     most
@@ -85,4 +86,40 @@ fn sweeps_that_diverge_are_replaced() {
         converges(Convection::Linear, 0.1, "smoothSolver", dt);
         converges(limited("limitedLinear"), 0.5, "smoothSolver", dt);
     }
+}
+
+/// Whatever a step came to, what is transported with its flux is conserved.
+#[test]
+fn the_flux_of_an_unconverged_step_is_divergence_free() {
+    let mut flow = chamber(Convection::Upwind, 0.02, "PBiCGStab");
+    flow.numerics.outer = 2;
+    let r = flow.step(1e6).expect("a step");
+    assert!(!r.converged && r.residuals.p > 1e-6, "{r:?}");
+    let (m, phi) = (&flow.mesh, &flow.state.phi.data);
+    let net = greatest(m, |c| m.faces_of(c).map(|(f, s)| s * phi[f]).sum::<f64>().abs());
+    println!("net flux {net:.1e}, residual of continuity {:.1e}", r.residuals.p);
+    assert!(net < 1e-7, "{net:.1e}");
+}
+
+/// The mean Courant number is that of the whole volume: cells count by their size.
+#[test]
+fn the_mean_courant_number_is_a_mean_over_the_volume() {
+    let kinds = shapes::periodic_kinds([true, false, true], PatchKind::Wall);
+    let mut poly = shapes::box_mesh([4, 3, 1], [0.0; 3], [4.0, 3.0, 1.0], kinds);
+    // Rows of heights 1/9, 8/9 and 2.
+    poly.points.iter_mut().for_each(|p| p[1] = [0.0, 1.0 / 9.0, 1.0, 3.0][p[1].round() as usize]);
+    let mut s = Setup::new(&poly, numerics(1, 1));
+    let slow = |y: f64| if y < 0.1 { 10.0 } else { 1.0 };
+    s.u0 = (0..12).map(|c| [slow(s.mesh.cell_centre[c][1]), 0.0, 0.0]).collect();
+    // Viscosity and pressure have nothing to say in so short a step.
+    let mut flow = s.flow(local(Newtonian { eta: 1e-9 }), |_| slip(), |_| free());
+    let (m, u) = (flow.mesh.clone(), flow.state.u.cells.data.clone());
+    let through = |f: usize| m.area[f][0] * u[m.owner[f] as usize][0];
+    flow.state.phi.data.iter_mut().enumerate().for_each(|(f, phi)| *phi = through(f));
+    let dt = 1e-6;
+    flow.step(dt).expect("a step");
+    let [mean, most] = flow.step(dt).expect("a step").courant;
+    // Unit cells along x: u dt each; a ninth of a third of the volume is fast.
+    let exact = dt * (10.0 / 27.0 + 26.0 / 27.0);
+    assert!((mean / exact - 1.0).abs() < 1e-6 && (most / (10.0 * dt) - 1.0).abs() < 1e-6, "{mean}");
 }

@@ -57,6 +57,7 @@ fn an_iteration_that_lost_its_way_says_nothing_of_friction() {
     match flow.step(1e6) {
         Ok(report) => {
             println!("{report:?}");
+            assert!(report.outer < 60, "nobody waits for what has stopped moving: {report:?}");
             assert!(!report.converged && report.residuals.u > 1e-2, "{report:?}");
             assert!(report.rheology.beyond.is_none(), "{report:?}");
         }
