@@ -104,8 +104,8 @@ impl Tally {
                 continue;
             }
             if self.coupled && name != "fluidity" {
-                // No word of these unless they did harm: the residuals of the steps judge.
-                if self.unconverged > 0 {
+                // No word of these unless they may have done harm: the residuals of the steps judge.
+                if self.unconverged > 0 && 20 * solves.unconverged > solves.all {
                     lines.push(format!(
                         "warning: {name}: {} of {} inside outer iterations fell short; another \
                          solver or preconditioner may do better (maxIter has no say there)",
