@@ -227,7 +227,8 @@ impl Run {
             wrote,
             wall: self.clock.seconds(),
             left: Some((pace * (self.case.end - time)).max(0.0)),
-            progress: if span > 0.0 { ((time - self.began) / span).clamp(0.0, 1.0) } else { 1.0 },
+            // Time that passed is rarely the span to the bit, nor the end a multiple of the step.
+            progress: if last { 1.0 } else { ((time - self.began) / span).clamp(0.0, 1.0) },
         })))
     }
 

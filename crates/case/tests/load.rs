@@ -52,6 +52,18 @@ fn dictionaries_of_openfoam_are_understood() {
 }
 
 #[test]
+fn outer_iterations_of_piso_are_ignored_aloud() {
+    let dir = cavity_case(4);
+    put(dir.path(), "system/fvSolution", "PISO { nCorrectors 2; nOuterCorrectors 20; }");
+    let (sink, notices) = (Sink::new(), Notices::new());
+    let case = Case::load(dir.path(), &Options::default(), &sink, &notices).unwrap();
+    assert_eq!((case.config.solution.outer, case.config.solution.correctors), (1, 2));
+    let said = sink.take().render(false);
+    assert!(said.starts_with("warning: `nOuterCorrectors` is ignored: PISO has none"), "{said}");
+    assert!(said.contains("help: name the dictionary PIMPLE"), "{said}");
+}
+
+#[test]
 fn all_mistakes_are_reported_at_once() {
     let dir = cavity_case(4);
     put(dir.path(), "system/controlDict", "application pimpelFoam; endTime 1; deltaT -1;");

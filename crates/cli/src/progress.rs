@@ -68,7 +68,10 @@ impl Progress {
     }
 
     /// A warning among the lines.
-    pub(crate) fn warn(&self, text: &str) {
+    pub(crate) fn warn(&self, out: &Output, text: &str) {
+        if out.quiet() {
+            return;
+        }
         match &self.bar {
             Some(bar) => bar.suspend(|| complain(text)),
             None => complain(text),
@@ -105,7 +108,10 @@ pub(crate) fn status(step: usize, r: &Report, left: Option<f64>) -> String {
         (_, false) => format!("outer {} (not converged)", r.outer),
     });
     parts.push(format!("Co {}", number(r.courant[1])));
-    let unconverged = r.solves.iter().map(|s| s.unconverged).sum::<usize>();
+    // Inside outer iterations they do no harm if the step converged.
+    let judged = !(r.coupled && r.converged);
+    let solves = if judged { &r.solves[..] } else { &[] };
+    let unconverged = solves.iter().map(|s| s.unconverged).sum::<usize>();
     if unconverged + r.rheology.unconverged > 0 {
         let solves = count(unconverged + r.rheology.unconverged, "solve");
         parts.push(format!("{solves} unconverged"));

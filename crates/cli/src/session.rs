@@ -8,7 +8,7 @@ use crate::text::count;
 use clap::Parser;
 use clap::error::ErrorKind;
 use granflow_case::{CaseError, Notices};
-use granflow_dict::Sink;
+use granflow_dict::{Diag, Diags, Severity, Sink};
 use granflow_flow::StepError;
 use std::ffi::OsString;
 
@@ -76,13 +76,19 @@ impl Session {
 
     /// Prints what was found so far that does not stop the command, and the facts to say once.
     pub(crate) fn speak_up(&mut self) {
-        let found = self.sink.take();
-        if !found.is_empty() {
-            complain(&found.render(self.out.colour()));
-            complain("");
-        }
+        self.show(&self.sink.take());
         for notice in self.notices.take() {
             self.out.say(&format!("note: {notice}"));
+        }
+    }
+
+    /// Prints what was found; errors alone if the user wants nothing else.
+    fn show(&self, found: &Diags) {
+        let wanted = |d: &&Diag| d.severity == Severity::Error || !self.out.quiet();
+        let shown: Vec<Diag> = found.iter().filter(wanted).cloned().collect();
+        if !shown.is_empty() {
+            complain(&Diags(shown).render(self.out.colour()));
+            complain("");
         }
     }
 }
@@ -94,10 +100,7 @@ fn finish(mut session: Session, outcome: Result<(), Failure>) -> i32 {
         None => Ok(()),
     });
     let found = session.sink.take();
-    if !found.is_empty() {
-        complain(&found.render(session.out.colour()));
-        complain("");
-    }
+    session.show(&found);
     let (errors, warnings) = (found.n_errors(), found.n_warnings());
     match outcome {
         Ok(()) if errors == 0 => 0,

@@ -21,6 +21,8 @@ pub(crate) struct Tally {
     written: Vec<String>,
     /// Linear solves of U, pressure and fluidity.
     solves: [SolveCount; 3],
+    /// Whether the last step solved momentum and continuity together.
+    coupled: bool,
     /// Where friction is used up, if the last step did not converge.
     beyond: Option<Beyond>,
 }
@@ -33,6 +35,7 @@ impl Tally {
     pub(crate) fn note(&mut self, event: &StepEvent) {
         let r = &event.report;
         self.steps += 1;
+        self.coupled = r.coupled;
         self.unconverged += usize::from(!r.converged);
         self.adrift = !r.converged;
         self.beyond = r.rheology.beyond.filter(|_| !r.converged);
@@ -98,6 +101,18 @@ impl Tally {
         let mut lines = Vec::new();
         for ((name, linear), solves) in fields.into_iter().zip(&self.solves) {
             if solves.unconverged == 0 {
+                continue;
+            }
+            if self.coupled && name != "fluidity" {
+                // No word of these unless they may have done harm: the residuals of the steps judge.
+                if self.unconverged > 0 && 20 * solves.unconverged > solves.all {
+                    lines.push(format!(
+                        "warning: {name}: {} of {} inside outer iterations fell short; another \
+                         solver or preconditioner may do better (maxIter has no say there)",
+                        solves.unconverged,
+                        count(solves.all, "solve"),
+                    ));
+                }
                 continue;
             }
             // Multigrid solves what it is made for, and momentum and fluidity are not always.

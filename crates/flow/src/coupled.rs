@@ -12,9 +12,11 @@
 
 use crate::interpolation::{Interpolated, interpolated_flux};
 use crate::krylov::{DIRECTIONS, Hessenberg};
-use crate::{Flow, StepError};
+use crate::{Flow, Purpose, SolveCount, StepError, settle};
 use granflow_base::{Dims, Tensor, Value, Vec3, norm};
-use granflow_fv::{Convection, Equation, FaceField, Unknown, laplacian, operators, sp};
+use granflow_fv::{
+    Convection, Equation, FaceField, Unknown, defer_to_upwind, laplacian, operators, sp,
+};
 use granflow_linsolve::{SolveError, Solved, Tolerance};
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
@@ -28,6 +30,8 @@ const PRESSURE: Tolerance = Tolerance { abs: 0.0, rel: 0.05, max_iter: 50 };
 const TIGHTEN: f64 = 0.1;
 const HARDLY: f64 = 0.3;
 const TIGHTEST: f64 = 1e-6;
+/// Share of a velocity's residual that a solver may leave.
+const HOPELESS: f64 = 0.5;
 
 /// Residual or change of momentum and continuity: velocity-like and pressure-like part, with room
 /// for ghosts.
@@ -80,6 +84,9 @@ pub(crate) struct Coupled {
     tightness: f64,
     /// Of the last pass.
     scales: Scales,
+    /// Whether central convection stays out of the matrix for the rest of the step, because the
+    /// velocity's solver failed on it.
+    pub(crate) defer: bool,
 }
 
 impl Coupled {
@@ -102,6 +109,7 @@ impl Coupled {
             second: vec![0.0; cells],
             tightness: 1.0,
             scales: Scales { force: 1.0, flux: 1.0 },
+            defer: false,
         }
     }
     /// Allocates the directions, once: they are most of a flow's memory, and a flow that takes
@@ -115,6 +123,7 @@ impl Coupled {
     /// To be called as a step begins: nothing is carried over from the one before.
     pub(crate) fn begin_step(&mut self) {
         self.tightness = 1.0;
+        self.defer = false;
     }
 }
 
@@ -149,7 +158,7 @@ impl Flow {
         self.work.coupled.basis[0].scale(&self.exec, n, 1.0 / size);
         let mut small = Hessenberg::new(size);
         for j in 0..DIRECTIONS {
-            let solved = self.precondition(j, scales)?;
+            let Some(solved) = self.precondition(j, scales)? else { break };
             done[0].iterations += solved[0];
             done[1].iterations += solved[1];
             self.apply_operator(j, scales);
@@ -170,7 +179,7 @@ impl Flow {
             }
             next.scale(exec, n, 1.0 / length);
         }
-        if small.residual() > reduction.max(HARDLY) * size {
+        if small.len() > 0 && small.residual() > reduction.max(HARDLY) * size {
             self.work.coupled.tightness *= TIGHTEN;
         }
         self.take(&small);
@@ -258,13 +267,14 @@ impl Flow {
         numerics.compression.refresh(exec, &w.coupled.viscous.a).map_err(failed("p"))
     }
 
-    /// `directions[j] = P^-1 basis[j]`; iterations of the velocity and pressure systems.
-    fn precondition(&mut self, j: usize, scales: Scales) -> Result<[usize; 2], StepError> {
+    /// `directions[j] = P^-1 basis[j]`; iterations of the velocity and pressure systems. None where
+    /// the velocity's solver fails on central convection: the next cycle has another matrix.
+    fn precondition(&mut self, j: usize, scales: Scales) -> Result<Option<[usize; 2]>, StepError> {
         let time = self.state.time;
         let failed = |field| move |source| StepError::Solve { field, time, source };
         let Flow { exec, mesh, numerics, work: w, .. } = self;
         let n = mesh.n_cells;
-        let Coupled { basis, directions, du, flux, viscous, rhs, second, tightness, .. } =
+        let Coupled { basis, directions, du, flux, viscous, rhs, second, tightness, defer, .. } =
             &mut w.coupled;
         let (v, z) = (&basis[j], &mut directions[j]);
         // Momentum with the pressure as it is.
@@ -276,7 +286,14 @@ impl Flow {
         let solver = &mut numerics.u.solver;
         let tolerance = Tolerance { rel: (VELOCITY.rel * *tightness).max(TIGHTEST), ..VELOCITY };
         let result = solver.solve(exec, &w.u_eqn.a, &force[..n], &mut z.u, &tolerance);
-        let of_u = settle(result, &mut z.u).map_err(failed("U"))?;
+        if hopeless(&result) && numerics.convection == Convection::Linear && !*defer {
+            w.solves[0] += SolveCount { all: 1, unconverged: 1 };
+            *defer = true;
+            return Ok(None);
+        }
+        let [of_velocity, of_pressure] = &mut w.solves;
+        let of_u =
+            settle(result, &mut z.u, Purpose::Direction, of_velocity).map_err(failed("U"))?;
         // What its flux lacks.
         mesh.halo.update(exec, &mut z.u);
         du.cells.data.copy_from_slice(&z.u);
@@ -292,11 +309,11 @@ impl Flow {
         let p1 = &mut w.p_prime.cells.data;
         p1.fill(0.0);
         let result = numerics.p.solver.solve(exec, &w.p_eqn.a, rhs, p1, &PRESSURE);
-        let of_p1 = settle(result, p1).map_err(failed("p"))?;
+        let of_p1 = settle(result, p1, Purpose::Direction, of_pressure).map_err(failed("p"))?;
         // and where viscosity does.
         second.fill(0.0);
         let result = numerics.compression.solve(exec, &viscous.a, rhs, second, &PRESSURE);
-        let of_p2 = settle(result, second).map_err(failed("p"))?;
+        let of_p2 = settle(result, second, Purpose::Direction, of_pressure).map_err(failed("p"))?;
         mesh.halo.update(exec, &mut w.p_prime.cells.data);
         numerics.gradient.of(exec, mesh, &w.p_prime, &mut w.grad_p);
         let (r_at, grad, p1) = (&w.r_at.data, &w.grad_p, &w.p_prime.cells.data);
@@ -308,11 +325,12 @@ impl Flow {
             }
         });
         crate::momentum::keep_solved(exec, mesh, &mut z.u);
-        Ok([of_u.iterations, of_p1.iterations + of_p2.iterations])
+        Ok(Some([of_u.iterations, of_p1.iterations + of_p2.iterations]))
     }
 
     /// `basis[j + 1] = A directions[j]`, momentum and continuity.
     fn apply_operator(&mut self, j: usize, scales: Scales) {
+        let deferred = self.defers_convection();
         let Flow { exec, mesh, numerics, work: w, fluid, .. } = self;
         let n = mesh.n_cells;
         let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
@@ -327,9 +345,9 @@ impl Flow {
         // no limit.
         let corrected = leaning && numerics.non_orthogonal >= 1.0;
         let skewed = mesh.is_skewed();
-        // What central differences lack on skewed faces is linear in the velocity, flux held.
-        // Extrapolation by upwind schemes waits for the next cycle.
-        let carried = skewed && numerics.convection == Convection::Linear;
+        // What central differences lack on skewed faces, or in the matrix, is linear in the
+        // velocity, flux held. Extrapolation and limited schemes wait for the next cycle.
+        let carried = (skewed || deferred) && numerics.convection == Convection::Linear;
         if transposed || corrected || skewed {
             numerics.gradient.of(exec, mesh, du, gradient);
         }
@@ -352,9 +370,15 @@ impl Flow {
             });
         }
         if carried {
-            // The weights come out as they are in the matrix: they are the mesh's.
+            // The weights come out as they are in the matrix.
             let (flux, extra) = (&w.rho_phi.data, &mut w.scratch_f);
+            if !skewed {
+                extra.data[..mesh.n_inner].fill([0.0; 3]);
+            }
             numerics.convection.weigh(exec, mesh, du, gradient, flux, &mut w.weights, extra);
+            if deferred {
+                defer_to_upwind(exec, mesh, du, flux, &mut w.weights, extra);
+            }
             let extra = &w.scratch_f.data;
             exec.for_each(&mut stress.data[..mesh.n_inner], |first, t| {
                 t.iter_mut().enumerate().for_each(|(i, t)| *t = t.minus(extra[first + i]));
@@ -389,15 +413,12 @@ impl Flow {
     }
 }
 
-/// A system of the preconditioner that was solved badly, or hardly at all, still gives a
-/// direction; only what is not finite stops the step.
-fn settle<T: Value>(result: Result<Solved, SolveError>, x: &mut [T]) -> Result<Solved, SolveError> {
+/// Whether a velocity of the preconditioner is worthless: a matrix far from dominant lets sweeps
+/// grow without bounds.
+fn hopeless(result: &Result<Solved, SolveError>) -> bool {
     match result {
-        Err(SolveError::NotConverged(solved) | SolveError::Spent(solved)) => Ok(solved),
-        Err(SolveError::NotPositiveDefinite { iteration }) => {
-            x.fill(T::ZERO);
-            Ok(Solved { iterations: iteration, first: 0.0, last: 0.0 })
-        }
-        other => other,
+        Err(SolveError::NotConverged(solved)) => solved.last > HOPELESS * solved.first,
+        Err(SolveError::NotFinite { .. }) => true,
+        _ => false,
     }
 }

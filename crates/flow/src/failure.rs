@@ -1,6 +1,48 @@
 //! Why a step failed, in terms of the physics where that is known.
 
-use crate::{Flow, Report, StepError};
+use crate::{Flow, Report, ResidualControl, Residuals, StepError};
+use granflow_physics::rheology::Beyond;
+
+/// Greatest residual of momentum and of continuity at which stress over pressure tells of the
+/// material, and not of an iteration that lost its way.
+const SOUND: f64 = 1e-2;
+
+/// Whether a state is near enough to a flow to be judged.
+pub(crate) fn is_sound(residuals: &Residuals) -> bool {
+    residuals.u <= SOUND && residuals.p <= SOUND
+}
+
+/// Growth of the residuals over their best after which passes are given up, and passes without a
+/// new best.
+const LOST: f64 = 1e6;
+const TIRED: usize = 40;
+
+/// Whether more outer passes may help.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hope {
+    best: f64,
+    since: usize,
+}
+
+impl Default for Hope {
+    fn default() -> Self {
+        Hope { best: f64::INFINITY, since: 0 }
+    }
+}
+
+impl Hope {
+    /// To be asked once a pass, with the residuals it came to.
+    pub(crate) fn is_left(&mut self, now: &Residuals, control: &ResidualControl) -> bool {
+        let over =
+            (now.u / control.u).max(now.p / control.p).max(now.viscosity / control.viscosity);
+        if over < self.best {
+            *self = Hope { best: over, since: 0 };
+        } else {
+            self.since += 1;
+        }
+        self.since < TIRED && over <= LOST * self.best
+    }
+}
 
 impl Flow {
     /// Advances by `dt` seconds.
@@ -9,16 +51,19 @@ impl Flow {
     /// [`StepError`]; [`Flow::rollback`] then restores the state before the step (which has been
     /// done when it is [`StepError::Interrupted`]).
     pub fn step(&mut self, dt: f64) -> Result<Report, StepError> {
-        self.advance(dt).map_err(|e| self.explained(e))
+        let result = self.advance(dt);
+        let (time, w) = (self.state.time, &self.work);
+        result.map_err(|e| explained(e, time, w.beyond, w.residuals))
     }
+}
 
-    /// Numbers that ran away are what one sees; stress beyond what grains carry is why.
-    fn explained(&self, e: StepError) -> StepError {
-        match (&e, self.work.beyond) {
-            (StepError::Interrupted { .. } | StepError::Dims(_), _) | (_, None) => e,
-            (_, Some(beyond)) => {
-                StepError::Beyond { time: self.state.time, beyond, seen: Box::new(e) }
-            }
-        }
+/// Numbers that ran away are what one sees; stress beyond what grains carry is why, if the last
+/// sound state had it, and else an iteration whose residuals had grown.
+fn explained(e: StepError, time: f64, beyond: Option<Beyond>, residuals: Residuals) -> StepError {
+    match (&e, beyond) {
+        (StepError::Interrupted { .. } | StepError::Dims(_), _) => e,
+        (_, Some(beyond)) => StepError::Beyond { time, beyond, seen: Box::new(e) },
+        (_, None) if is_sound(&residuals) => e,
+        (_, None) => StepError::Diverged { time, residuals, seen: Box::new(e) },
     }
 }

@@ -4,18 +4,24 @@
 //! in place of the interpolated one (C. M. Rhie, W. L. Chow, AIAA J. 21 (1983) 1525), and the old
 //! flux in place of the interpolated old velocity. The mobility of a face keeps inertia apart from
 //! the rest, so that a steady flux knows nothing of the time step (A. Cubero, N. Fueyo, Numer.
-//! Heat Transfer B 52 (2007) 507).
+//! Heat Transfer B 52 (2007) 507). Open boundaries are faces like others: `u_f` is there what the
+//! condition makes of the cell's velocity.
 
 use crate::work::Work;
 use crate::{Flow, State};
 use granflow_base::{Tensor, Value, Vec3, dot};
-use granflow_fv::{FaceField, Unknown, operators};
+use granflow_fv::{Convection, FaceField, Unknown, operators};
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
 
 /// The mobility of all cells together exceeds that of one by at most this factor: beyond it the
 /// time step is infinite as far as the mesh can tell.
 const MOST_MOBILE: f64 = 1e6;
+/// The mobility of all cells together also answers to what flows through a cell, by this share of
+/// the flux: what is washed away has no time to gather speed. Without it a steady flow's mobility
+/// is that of a single cell near walls and without bounds elsewhere, and the pressure it
+/// preconditions useless. Between 0.03 and 1 the share matters little.
+const WASHED_AWAY: f64 = 0.1;
 /// What a flux is interpolated from.
 pub(crate) struct Interpolated<'a> {
     /// The velocity's conditions.
@@ -59,8 +65,7 @@ pub(crate) fn interpolated_flux(
                 None => {
                     // Where the cell's velocity leaves through the boundary, its own pressure
                     // gradient is in it already.
-                    let b = f - mesh.n_inner;
-                    let open = u.closure.slope[b] * (1.0 - u.closure.normal[b]);
+                    let open = open_share(u, f - mesh.n_inner);
                     if open > 0.0 { open * dot(grad_p[o], mesh.area[f]) } else { 0.0 }
                 }
             };
@@ -74,16 +79,30 @@ impl Flow {
     /// Mobilities of the momentum equation in cells and on faces.
     pub(crate) fn update_mobility(&mut self, dt: f64) {
         let inertia = self.fluid.rho * self.ddt_coefficients(dt)[0] / dt;
+        // A single pass takes the row as it is: its correction of the pressure has no second try.
+        let share = if self.is_coupled() { WASHED_AWAY } else { 0.0 };
+        let central = self.defers_convection() && self.numerics.convection == Convection::Linear;
         let Flow { exec, mesh, work: w, .. } = self;
-        let (eqn, volume) = (&w.u_eqn, &mesh.volume);
+        let (eqn, volume, flux) = (&w.u_eqn, &mesh.volume, &w.rho_phi.data);
         let n = mesh.n_cells;
         exec.for_each2(&mut w.r_a.data[..n], &mut w.r_at.data[..n], |first, one, all| {
             for i in 0..one.len() {
                 let c = first + i;
-                let a = eqn.a.val[eqn.a.diag[c] as usize];
-                one[i] = volume[c] / a.abs();
+                let mut a = eqn.a.val[eqn.a.diag[c] as usize];
+                let mut through = 0.0;
+                for (f, s) in mesh.faces_of(c) {
+                    through += 0.5 * flux[f].abs();
+                    if central && f < mesh.n_inner {
+                        // The flux does not ask how convection is solved.
+                        let here = if s > 0.0 { mesh.weight[f] } else { 1.0 - mesh.weight[f] };
+                        a += s * flux[f] * here - f64::max(s * flux[f], 0.0);
+                    }
+                }
                 // Not dominant in a cell that more enters than leaves: its size counts.
-                all[i] = volume[c] / eqn.row_sum[c].max(a.abs() / MOST_MOBILE).min(a.abs());
+                let a = a.abs();
+                one[i] = volume[c] / a;
+                let row = eqn.row_sum[c].max(0.0) + share * through;
+                all[i] = volume[c] / row.max(a / MOST_MOBILE).min(a);
             }
         });
         mesh.halo.update(exec, &mut w.r_a.data);
@@ -130,7 +149,7 @@ impl Flow {
             };
             interpolated_flux(exec, mesh, &of, &mut state.phi);
         }
-        self.remember_flux(dt, |flow| &mut flow.state.phi);
+        self.add_memory(dt, |flow| &mut flow.state.phi);
     }
 
     /// The flux (into `phi_star`) of the velocity that momentum gives each cell from its
@@ -166,64 +185,72 @@ impl Flow {
             };
             interpolated_flux(exec, mesh, &of, &mut w.phi_star);
         }
-        self.remember_flux(dt, |flow| &mut flow.work.phi_star);
+        self.add_memory(dt, |flow| &mut flow.work.phi_star);
     }
 
-    /// What skewness adds to the interpolated old velocities, weighted as [`Self::remember_flux`]
-    /// does, into `work.skew_start`. Called at the old time, with the state as a restart has it.
-    pub(crate) fn remember_skewness(&mut self, dt: f64) {
-        if !self.mesh.is_skewed() {
-            return;
-        }
+    /// What the old fluxes are ahead of the flux of the old velocities, weighted as the time scheme
+    /// does, into `work.ahead`. Called at the old time, with the state as a restart has it.
+    pub(crate) fn remember_flux(&mut self, dt: f64) {
         let c = self.ddt_coefficients(dt);
         self.update_conditions();
         let Flow { exec, mesh, state, numerics, work: w, .. } = self;
-        let Work { skew_start: out, grad_u, .. } = w;
-        out.data.fill(0.0);
+        let Work { ahead, phi_star: plain, grad_u, .. } = w;
+        ahead.data.fill(0.0);
         for (k, older) in [(c[1], false), (-c[2], true)] {
             if k == 0.0 {
                 continue;
             }
             // The conditions of the time before are gone: the old ones stand in for them.
-            let swap =
-                |state: &mut State| std::mem::swap(&mut state.u.cells.data, &mut state.u_old);
+            let swap = |state: &mut State| {
+                std::mem::swap(&mut state.u.cells.data, &mut state.u_old);
+                std::mem::swap(&mut state.phi.data, &mut state.phi_old);
+            };
             if older {
                 swap(state);
             }
-            numerics.gradient.of(exec, mesh, &state.u, grad_u);
+            operators::flux(exec, mesh, &state.u, &state.u.cells.data, plain);
+            if mesh.is_skewed() {
+                numerics.gradient.of(exec, mesh, &state.u, grad_u);
+                operators::add_skew_flux(exec, mesh, 1.0, grad_u, plain);
+            }
+            let (phi, plain) = (&state.phi.data, &plain.data);
+            exec.for_each(&mut ahead.data, |first, out| {
+                for (i, ahead) in out.iter_mut().enumerate() {
+                    let f = first + i;
+                    *ahead += k * (phi[f] - plain[f]);
+                }
+            });
             if older {
                 swap(state);
             }
-            operators::add_skew_flux(exec, mesh, k, grad_u, out);
         }
+        // A boundary has a flux of its own where its velocity or its pressure leaves it one.
+        let (u, p) = (&state.u, &state.p);
+        exec.for_each(&mut ahead.data[mesh.n_inner..], |first, out| {
+            for (i, ahead) in out.iter_mut().enumerate() {
+                let b = first + i;
+                *ahead *= open_share(u, b).max(1.0 - p.closure.slope[b]);
+            }
+        });
     }
 
-    /// Adds to the flux what the old ones were ahead of the interpolated old velocities.
-    fn remember_flux(&mut self, dt: f64, of: impl Fn(&mut Flow) -> &mut FaceField<f64>) {
-        let c = self.ddt_coefficients(dt);
+    /// Adds to the flux what the old ones were ahead of the old velocities, as far as inertia holds
+    /// it: from then on the steady flux is that of a mobility without inertia.
+    fn add_memory(&mut self, dt: f64, of: impl Fn(&mut Flow) -> &mut FaceField<f64>) {
         let per_step = self.fluid.rho / dt;
         let mut phi = std::mem::take(&mut of(self).data);
-        let Flow { exec, mesh, state, work: w, .. } = self;
-        let (r_a_f, phi_start, u_start) = (&w.r_a_f.data, &w.phi_start, &w.u_start);
-        let skew = mesh.is_skewed().then_some(&w.skew_start.data);
-        let (phi_old, u_old) = (&state.phi_old, &state.u_old);
-        exec.for_each(&mut phi[..mesh.n_inner], |first, out| {
+        let (r_a_f, ahead) = (&self.work.r_a_f.data, &self.work.ahead.data);
+        self.exec.for_each(&mut phi, |first, out| {
             for (i, phi) in out.iter_mut().enumerate() {
                 let f = first + i;
-                let (o, n, w) =
-                    (mesh.owner[f] as usize, mesh.neighbour[f] as usize, mesh.weight[f]);
-                let interpolated =
-                    |x: &[Vec3]| dot(x[o].scaled(w).axpy(1.0 - w, x[n]), mesh.area[f]);
-                let mut ahead = c[1] * (phi_start[f] - interpolated(u_start));
-                if c[2] != 0.0 {
-                    ahead -= c[2] * (phi_old[f] - interpolated(u_old));
-                }
-                if let Some(skew) = skew {
-                    ahead -= skew[f];
-                }
-                *phi += r_a_f[f] * per_step * ahead;
+                *phi += r_a_f[f] * per_step * ahead[f];
             }
         });
         of(self).data = phi;
     }
+}
+
+/// How much of its cell's normal velocity goes through boundary face `b`.
+fn open_share(u: &Unknown<Vec3>, b: usize) -> f64 {
+    (u.closure.slope[b] - u.closure.normal[b]).max(0.0)
 }

@@ -23,37 +23,46 @@ pub use state::{
 };
 pub use step::{Derived, Flow};
 
+use granflow_base::Value;
 use granflow_linsolve::{SolveError, Solved};
 
-/// As [`settle`] for a correction `x`: where only rounding is left to correct, there is nothing to
-/// correct.
-fn settle_correction(
-    result: Result<Solved, SolveError>,
-    x: &mut [f64],
-    count: &mut SolveCount,
-) -> Result<Solved, SolveError> {
-    match result {
-        Err(SolveError::Spent(solved)) => {
-            x.fill(0.0);
-            Ok(Solved { iterations: solved.iterations, first: 0.0, last: 0.0 })
-        }
-        other => settle(other, count),
-    }
+/// What a linear system is solved for, which decides what a bad solution is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Purpose {
+    /// The new values of a field.
+    Values,
+    /// A correction of them: where only rounding is left to correct, there is nothing to correct.
+    Correction,
+    /// A direction to look for the solution in: none is as good as a bad one.
+    Direction,
 }
 
-/// A solver that ran out of iterations has still made progress: the residuals of the step judge,
-/// and `count` remembers.
-fn settle(
+/// What a solve of `x` came to. A solver that ran out of iterations has still made progress: the
+/// residuals of the step judge, and `count` remembers. Matrices of the preconditioner need not be
+/// positive definite for a step to succeed; those that give values must.
+fn settle<T: Value>(
     result: Result<Solved, SolveError>,
+    x: &mut [T],
+    purpose: Purpose,
     count: &mut SolveCount,
 ) -> Result<Solved, SolveError> {
+    let nothing = |iterations| Solved { iterations, first: 0.0, last: 0.0 };
     count.all += 1;
     match result {
         Err(SolveError::NotConverged(solved)) => {
             count.unconverged += 1;
             Ok(solved)
         }
+        Err(SolveError::Spent(solved)) if purpose == Purpose::Correction => {
+            x.fill(T::ZERO);
+            Ok(nothing(solved.iterations))
+        }
         Err(SolveError::Spent(solved)) => Ok(solved),
+        Err(SolveError::NotPositiveDefinite { iteration }) if purpose == Purpose::Direction => {
+            count.unconverged += 1;
+            x.fill(T::ZERO);
+            Ok(nothing(iteration))
+        }
         other => other,
     }
 }

@@ -7,7 +7,9 @@
 
 use crate::{Flow, StepError, TimeScheme};
 use granflow_base::{Value, Vec3};
-use granflow_fv::{Ddt, ddt, div, div_explicit, laplacian, operators, source};
+use granflow_fv::{
+    Convection, Ddt, ddt, defer_to_upwind, div, div_explicit, laplacian, operators, source,
+};
 use granflow_mesh::Mesh;
 
 /// Of a sum of neighbours' forces, each with half a unit in the last place of its velocity, and as
@@ -51,8 +53,22 @@ impl Flow {
         Ok(())
     }
 
+    /// Whether the matrix of momentum has upwind convection, and the scheme's own part is explicit:
+    /// where outer iterations make up for it and the matrix of the scheme would not do. Limited
+    /// schemes have weights that jump from one pass to the next; central ones may leave the matrix
+    /// so far from dominant that its solver fails.
+    pub(crate) fn defers_convection(&self) -> bool {
+        self.is_coupled()
+            && match self.numerics.convection {
+                Convection::Limited(_) => true,
+                Convection::Linear => self.work.coupled.defer,
+                Convection::Upwind | Convection::LinearUpwind => false,
+            }
+    }
+
     /// Everything of the momentum flux that is not in the matrix, into `work.explicit`.
     fn explicit_momentum_flux(&mut self) {
+        let deferred = self.defers_convection();
         let Flow { exec, mesh, state, numerics, work: w, fluid, .. } = self;
         let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
         if !fluid.rheology.is_constant() || leaning || numerics.convection.needs_gradient(mesh) {
@@ -91,7 +107,15 @@ impl Flow {
             &mut w.weights,
             &mut w.scratch_f,
         );
-        if numerics.convection.corrects(mesh) {
+        let corrects = numerics.convection.corrects(mesh);
+        if deferred {
+            if !corrects {
+                w.scratch_f.data[..mesh.n_inner].fill([0.0; 3]);
+            }
+            let (u, flux) = (&state.u, &w.rho_phi.data);
+            defer_to_upwind(exec, mesh, u, flux, &mut w.weights, &mut w.scratch_f);
+        }
+        if corrects || deferred {
             add_faces(exec, mesh.n_inner, -1.0, &w.scratch_f.data, &mut w.explicit.data);
         }
     }

@@ -146,8 +146,8 @@ impl Flow {
         let Flow { exec, mesh, state, work: w, numerics, .. } = self;
         numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
         let (u, gradient) = (&state.u, &w.grad_u);
-        let leaning = (mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0)
-            .then_some(&gradient[..]);
+        let leaning =
+            (mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0).then_some(&gradient[..]);
         exec.for_each(&mut w.newton.per_viscosity.data, |first, out| {
             for (i, force) in out.iter_mut().enumerate() {
                 let f = first + i;

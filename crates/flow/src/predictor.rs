@@ -1,6 +1,6 @@
 //! The momentum predictor of a single pass: velocity from momentum with the pressure as it is.
 
-use crate::{Flow, StepError};
+use crate::{Flow, Purpose, StepError};
 use granflow_linsolve::Solved;
 
 impl Flow {
@@ -14,7 +14,7 @@ impl Flow {
         let tolerance = if last { &solve.last } else { &solve.tolerance };
         let (a, b, u) = (&w.u_eqn.a, &w.b, &mut state.u.cells.data);
         let result = solve.solver.solve(exec, a, b, u, tolerance);
-        let solved = crate::settle(result, &mut w.solves[0]).map_err(failed)?;
+        let solved = crate::settle(result, u, Purpose::Values, &mut w.solves[0]).map_err(failed)?;
         self.update_conditions();
         Ok(solved)
     }

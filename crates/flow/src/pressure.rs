@@ -5,7 +5,7 @@
 //! Doormaal, G. D. Raithby, Numer. Heat Transfer 7 (1984) 147): dt/rho inside the flow however
 //! large the viscosity is, so that no relaxation is needed.
 
-use crate::{Flow, StepError};
+use crate::{Flow, Purpose, StepError, settle};
 use granflow_base::Value;
 use granflow_fv::{Surroundings, div_explicit, laplacian, operators};
 use granflow_linsolve::{Solved, Tolerance};
@@ -39,7 +39,7 @@ impl Flow {
             let p_prime = &mut w.p_prime.cells.data;
             let result = numerics.p.solver.solve(exec, &w.p_eqn.a, &w.p_eqn.b, p_prime, &tolerance);
             let count = &mut w.solves[1];
-            let solved = crate::settle_correction(result, p_prime, count).map_err(failed)?;
+            let solved = settle(result, p_prime, Purpose::Correction, count).map_err(failed)?;
             let first = if k == 0 { share * solved.first } else { done.first };
             let iterations = done.iterations + solved.iterations;
             done = Solved { iterations, first, last: share * solved.last };
@@ -66,6 +66,32 @@ impl Flow {
         self.fix_pressure_level();
         self.update_conditions();
         Ok(done)
+    }
+
+    /// Makes the flux of a coupled step that did not converge satisfy continuity, so that what is
+    /// transported with it is conserved: a pressure correction of the flux alone. Velocity and
+    /// pressure stay what their residuals, of which `net` is that of continuity, were measured of.
+    pub(crate) fn project_flux(&mut self, net: f64) -> Result<(), StepError> {
+        let Flow { exec, mesh, state, numerics, work: w, .. } = self;
+        let closure = &mut w.p_prime.closure;
+        closure.slope.copy_from_slice(&state.p.closure.slope);
+        closure.offset.fill(0.0);
+        w.p_prime.cells.data.fill(0.0);
+        w.phi_star.data.copy_from_slice(&state.phi.data);
+        let equation = -laplacian(&w.r_at_f) + div_explicit(&w.phi_star);
+        w.p_eqn.assemble(exec, mesh, &w.p_prime, &equation)?;
+        let (a, b, x) = (&w.p_eqn.a, &w.p_eqn.b, &mut w.p_prime.cells.data);
+        let rel = (0.1 * numerics.control.p / net).clamp(1e-10, 0.1);
+        let tolerance = Tolerance { abs: 0.0, rel, max_iter: 1000 };
+        let solver = &mut numerics.p.solver;
+        let result = solver.refresh(exec, a).and_then(|()| solver.solve(exec, a, b, x, &tolerance));
+        // A step without convergence is said to be one; it need not fail over its flux.
+        if settle(result, x, Purpose::Direction, &mut w.solves[1]).is_ok() {
+            mesh.halo.update(exec, &mut w.p_prime.cells.data);
+            apply_flux(exec, mesh, w, &mut state.phi);
+            self.update_conditions();
+        }
+        Ok(())
     }
 
     /// Where no boundary fixes the level of the pressure, the reference cell does.

@@ -158,6 +158,9 @@ pub struct Report {
     pub dt: f64,
     /// Outer iterations.
     pub outer: usize,
+    /// Whether momentum and continuity were solved together: the linear solves are then part of a
+    /// preconditioner, and `maxIter` has no say in them.
+    pub coupled: bool,
     /// Whether the residuals met the control.
     pub converged: bool,
     /// Residuals at its end.
@@ -172,7 +175,8 @@ pub struct Report {
     pub solves: [SolveCount; 2],
     /// The rheology's own work, summed over the step.
     pub rheology: RheologyInfo,
-    /// Mean and greatest Courant number.
+    /// Courant numbers, half the flux through a cell's faces times the step over its volume: mean over
+    /// the volume, and the greatest.
     pub courant: [f64; 2],
     /// Greatest change of velocity in the step over the greatest velocity.
     pub change: f64,
@@ -215,6 +219,20 @@ pub enum StepError {
         time: f64,
         /// Where, and by how much.
         beyond: Beyond,
+        /// What was seen of it.
+        seen: Box<StepError>,
+    },
+    /// The outer iteration ran away from the flow.
+    #[error(
+        "the outer iteration diverged at time {time} (residuals: momentum {:.1e}, continuity {:.1e}): start \
+         from a field nearer to the flow, or with shorter steps; it showed as: {seen}",
+        residuals.u, residuals.p
+    )]
+    Diverged {
+        /// Time, s.
+        time: f64,
+        /// Of the last state before numbers ran out.
+        residuals: Residuals,
         /// What was seen of it.
         seen: Box<StepError>,
     },

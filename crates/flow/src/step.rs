@@ -1,6 +1,7 @@
 //! One time step, top to bottom: conditions, then outer iterations of momentum, pressure and
 //! viscosity until the residuals of one and the same state are small, then the report.
 
+use crate::failure::{Hope, is_sound};
 use crate::work::Work;
 use crate::{Fluid, Gravity, Numerics, Report, Residuals, State, StepError};
 use granflow_base::norm;
@@ -76,6 +77,8 @@ impl Flow {
             self.end_step(dt, &mut report)?;
             return Ok(report);
         }
+        report.coupled = true;
+        let mut hope = Hope::default();
         for k in 0..=outer {
             self.give_up_if_asked()?;
             // In the first pass nothing has moved yet, but the walls and the clock.
@@ -92,13 +95,24 @@ impl Flow {
                 self.measure(dt, constant, k == outer, &mut report)?
             };
             self.check_residuals(&report.residuals)?;
+            self.work.residuals = report.residuals;
             report.converged = k > 0 && settled && report.residuals.within(&self.numerics.control);
             if report.converged || k == outer {
+                break;
+            }
+            if k > 0 && !hope.is_left(&report.residuals, &self.numerics.control) {
+                // As a last pass does: what is left behind is the rheology's own.
+                if !constant {
+                    self.accept_viscosity();
+                }
                 break;
             }
             report.outer = k + 1;
             let wanted = self.wanted_reduction(settled, &report.residuals);
             self.correct(dt, wanted, k + 1 == outer, &mut report)?;
+        }
+        if report.residuals.p > self.numerics.control.p {
+            self.project_flux(report.residuals.p)?;
         }
         self.end_step(dt, &mut report)?;
         Ok(report)
@@ -114,9 +128,10 @@ impl Flow {
         last: bool,
         report: &mut Report,
     ) -> Result<bool, StepError> {
-        let mut settled = true;
+        let (mut settled, mut beyond) = (true, None);
         if !constant {
             let info = self.evaluate_rheology(dt)?;
+            beyond = info.beyond;
             add(&mut report.rheology, info);
             report.residuals.viscosity = self.viscosity_residual();
             self.work.patience.note(report.residuals.viscosity);
@@ -131,6 +146,11 @@ impl Flow {
         self.assemble_momentum(dt)?;
         report.residuals.u = self.momentum_residual();
         report.residuals.p = self.continuity_residual();
+        // Stress in a state that is far from a flow says nothing of the grains.
+        if is_sound(&report.residuals) {
+            self.work.beyond = beyond;
+        }
+        report.rheology.beyond = self.work.beyond;
         Ok(settled)
     }
 
@@ -181,7 +201,7 @@ impl Flow {
 
     /// Whether momentum and pressure are solved together, until their residuals are small: always
     /// where the viscosity follows the pressure, and where more than one outer pass was asked for.
-    fn is_coupled(&self) -> bool {
+    pub(crate) fn is_coupled(&self) -> bool {
         self.numerics.outer > 1 || self.fluid.rheology.reads_pressure()
     }
 
@@ -217,7 +237,7 @@ impl Flow {
     }
 
     fn begin_step(&mut self, dt: f64) {
-        self.remember_skewness(dt);
+        self.remember_flux(dt);
         let Flow { state, work: w, fluid, .. } = self;
         w.u_start.copy_from_slice(&state.u.cells.data);
         w.p_start.copy_from_slice(&state.p.cells.data);
@@ -230,6 +250,7 @@ impl Flow {
         w.patience = Patience::default();
         w.solves = Default::default();
         w.beyond = None;
+        w.residuals = Residuals::default();
         state.time += dt;
         state.step += 1;
         self.update_conditions();
@@ -243,13 +264,14 @@ impl Flow {
             max2(exec, mesh.n_cells, |c| [norm(granflow_base::sub(u[c], old[c])), norm(u[c])]);
         report.change = if most > 0.0 { change / most } else { 0.0 };
         let phi = &state.phi.data;
-        let courant = |c: usize| {
-            0.5 * dt * mesh.faces_of(c).map(|(f, _)| phi[f].abs()).sum::<f64>() / mesh.volume[c]
-        };
+        let crossing =
+            |c: usize| 0.5 * dt * mesh.faces_of(c).map(|(f, _)| phi[f].abs()).sum::<f64>();
         let n = mesh.n_cells;
-        let [sum, cells] = exec.sums(n, |r| [r.clone().map(courant).sum(), r.len() as f64]);
-        let greatest = exec.max(n, |r| r.map(courant).fold(0.0, f64::max));
-        report.courant = [sum / cells.max(1.0), greatest];
+        let of = |c: usize| [crossing(c), mesh.volume[c]];
+        let [crossed, volume] =
+            exec.sums(n, |r| r.map(of).fold([0.0; 2], |[a, b], [x, y]| [a + x, b + y]));
+        let greatest = exec.max(n, |r| r.map(|c| crossing(c) / mesh.volume[c]).fold(0.0, f64::max));
+        report.courant = [crossed / volume, greatest];
         report.solves = w.solves;
         state.u_old.copy_from_slice(&w.u_start);
         state.phi_old.copy_from_slice(&w.phi_start);
@@ -427,5 +449,4 @@ fn add(total: &mut RheologyInfo, one: RheologyInfo) {
     total.iterations += one.iterations;
     total.unconverged += one.unconverged;
     total.residual = one.residual;
-    total.beyond = one.beyond;
 }

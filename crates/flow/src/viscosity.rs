@@ -108,7 +108,6 @@ impl Flow {
         if fluid.rheology.is_local() && !fluid.rheology.is_constant() {
             fluid.rheology.slopes(&view, &mut w.newton.rate_slope, &mut w.newton.pressure_slope);
         }
-        w.beyond = info.beyond;
         let eta_new = &w.eta_new.data;
         exec.for_each(&mut w.g_of_y, |first, y| {
             y.iter_mut().enumerate().for_each(|(i, y)| *y = eta_new[first + i].max(LEAST).ln());

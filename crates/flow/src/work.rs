@@ -2,7 +2,7 @@
 
 use crate::coupled::Coupled;
 use crate::newton::Newton;
-use crate::{Anderson, SolveCount};
+use crate::{Anderson, Residuals, SolveCount};
 use granflow_base::{Dims, Tensor, Vec3};
 use granflow_fv::{CellField, Equation, FaceField, Reconstruction, Unknown};
 use granflow_mesh::Mesh;
@@ -16,16 +16,18 @@ pub(crate) struct Work {
     pub(crate) rho: CellField<f64>,
     pub(crate) rho_phi: FaceField<f64>,
     pub(crate) phi_start: Vec<f64>,
-    /// What skewness adds to the interpolated old velocities.
-    pub(crate) skew_start: FaceField<f64>,
+    /// What the old fluxes are ahead of the flux of the old velocities.
+    pub(crate) ahead: FaceField<f64>,
     pub(crate) u_start: Vec<Vec3>,
     pub(crate) p_start: Vec<f64>,
     /// Time and number of the step before the present one.
     pub(crate) clock_start: (f64, usize),
     /// Linear solves of the present step: momentum, pressure.
     pub(crate) solves: [SolveCount; 2],
-    /// Where the last evaluation of the rheology in this step found too much stress.
+    /// Where the last sound state of this step had too much stress.
     pub(crate) beyond: Option<Beyond>,
+    /// Residuals of the last state of this step.
+    pub(crate) residuals: Residuals,
     /// Whether `eta` is the viscosity that the last step accepted.
     pub(crate) fresh: bool,
     /// ln(viscosity) of the outer iteration and what the rheology made of it.
@@ -91,12 +93,13 @@ impl Work {
             rho: CellField::new(m, "rho", Dims::DENSITY, rho),
             rho_phi: FaceField::new(m, "rhoPhi", Dims::MASS_FLUX, 0.0),
             phi_start: vec![0.0; m.n_faces()],
-            skew_start: FaceField::new(m, "skewPhi", Dims::VOLUME_FLUX, 0.0),
+            ahead: FaceField::new(m, "phi", Dims::VOLUME_FLUX, 0.0),
             u_start: vec![[0.0; 3]; cells],
             p_start: vec![0.0; cells],
             clock_start: (0.0, 0),
             solves: Default::default(),
             beyond: None,
+            residuals: Residuals::default(),
             fresh: false,
             y: vec![0.0; m.n_cells],
             g_of_y: vec![0.0; m.n_cells],

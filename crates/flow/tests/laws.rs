@@ -4,8 +4,11 @@
 #![allow(clippy::print_stdout, reason = "tests print what they measured")]
 
 mod common;
+#[path = "common/counting.rs"]
+mod counting;
 
 use common::*;
+use counting::ALLOCATIONS;
 use granflow_base::{Vec3, norm, sub};
 use granflow_flow::{Flow, Numerics, Report};
 use granflow_fv::{Convection, LimiterKind};
@@ -13,32 +16,7 @@ use granflow_linsolve::Tolerance;
 use granflow_mesh::{Mesh, PatchKind, PolyMesh, decompose, partition, shapes};
 use granflow_par::{Exec, InProcess, Solo};
 use granflow_physics::rheology::{Form, Law, Newtonian, Ngf, NgfNumerics, Rheology};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use std::collections::HashMap;
-
-thread_local! {
-    /// Allocations of this thread alone: tests run side by side.
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-struct Counting;
-// SAFETY: forwards to the system allocator unchanged.
-#[allow(unsafe_code)]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, l: Layout) -> *mut u8 {
-        // A thread that is being torn down has no counter any more; it does not matter here.
-        let _ = ALLOCATIONS.try_with(|n| n.set(n.get() + 1));
-        // SAFETY: the caller's contract.
-        unsafe { System.alloc(l) }
-    }
-    unsafe fn dealloc(&self, p: *mut u8, l: Layout) {
-        // SAFETY: the caller's contract.
-        unsafe { System.dealloc(p, l) }
-    }
-}
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 const RI: f64 = 0.051;
 const RO: f64 = 0.063;

@@ -1,8 +1,11 @@
 //! Laws of ARCHITECTURE.md that the volume fraction can break: the same bits for any number of
 //! threads, the same answer for any number of ranks, no allocation after the second step.
 
+#[path = "common/counting.rs"]
+mod counting;
 mod vof_common;
 
+use counting::ALLOCATIONS;
 use granflow_base::Dims;
 use granflow_flow::vof::{
     AlgebraicParams, GeometricParams, Params, Reconstruct, Shape, Vof, VofReport, fill,
@@ -10,31 +13,7 @@ use granflow_flow::vof::{
 use granflow_fv::{FaceField, Surroundings, Unknown};
 use granflow_mesh::{PolyMesh, decompose, partition, shapes};
 use granflow_par::{Exec, InProcess, Solo};
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use vof_common::*;
-
-thread_local! {
-    /// Allocations of this thread alone: tests run side by side.
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-struct Counting;
-// SAFETY: forwards to the system allocator unchanged.
-#[allow(unsafe_code)]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, l: Layout) -> *mut u8 {
-        let _ = ALLOCATIONS.try_with(|n| n.set(n.get() + 1));
-        // SAFETY: the caller's contract.
-        unsafe { System.alloc(l) }
-    }
-    unsafe fn dealloc(&self, p: *mut u8, l: Layout) {
-        // SAFETY: the caller's contract.
-        unsafe { System.dealloc(p, l) }
-    }
-}
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 fn all() -> Vec<Params> {
     let geometric = |reconstruction| {
@@ -85,9 +64,9 @@ fn no_allocation_after_the_second_step() {
         let mut run =
             Run::new(Exec::serial(), poly.clone(), &p, uniform([1.0, 0.6, 0.3])).start(&ball());
         run.go(0.04, 2, |_| 1.0);
-        let before = ALLOCATIONS.with(Cell::get);
+        let before = ALLOCATIONS.get();
         run.go(0.3, 12, |_| 1.0);
-        assert_eq!(ALLOCATIONS.with(Cell::get) - before, 0, "{p:?}");
+        assert_eq!(ALLOCATIONS.get() - before, 0, "{p:?}");
     }
 }
 

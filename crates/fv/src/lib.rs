@@ -14,7 +14,7 @@ mod term;
 mod unknown;
 
 pub use conditions::{Affine, Condition, PatchClosure, PatchView, Surroundings};
-pub use convection::Convection;
+pub use convection::{Convection, defer_to_upwind};
 pub use differentiable::Differentiable;
 pub use equation::{DimError, Equation};
 pub use field::{Cell, CellField, Face, FaceField, Field};

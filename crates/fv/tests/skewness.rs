@@ -70,6 +70,21 @@ fn taken_for_straight(mut m: Mesh) -> Mesh {
     m
 }
 
+/// Errors on three meshes, with the correction and without: of order `least` at least, and of
+/// `most` at most where nothing is corrected, so that the test can fail.
+fn corrected_orders(
+    what: &str,
+    n: [usize; 3],
+    (least, most): (f64, f64),
+    error: impl Fn(usize, bool) -> f64,
+) {
+    let [with, without] = [true, false].map(|corrected| n.map(|n| error(n, corrected)));
+    println!("{what}: {with:?} {:?}", orders(&with));
+    println!("uncorrected: {without:?} {:?}", orders(&without));
+    assert!(orders(&with)[1] > least, "{what}: {with:?}");
+    assert!(orders(&without)[1] < most, "the test can fail, {what}: {without:?}");
+}
+
 #[test]
 fn only_skewed_meshes_are_taken_for_skewed() {
     assert!(plane(6).is_skewed() && space(6).is_skewed());
@@ -108,20 +123,12 @@ fn gradients_are_exact_for_linear_fields() {
 fn gauss_gradient_is_first_order() {
     for (name, on) in [("plane", plane as fn(usize) -> Mesh), ("space", space)] {
         let n = if name == "plane" { [16, 32, 64] } else { [6, 12, 24] };
-        let errors = |corrected: bool| -> Vec<f64> {
-            let one = |n| {
-                let m = if corrected { on(n) } else { taken_for_straight(on(n)) };
-                let phi = unknown(&Exec::serial(), &m, f, dirichlet(f));
-                let g = of(&m, &Gradient::GaussLinear, &phi);
-                rms(&m, |c| norm(sub(g[c], grad_f(m.cell_centre[c]))))
-            };
-            n.map(one).to_vec()
-        };
-        let (with, without) = (errors(true), errors(false));
-        println!("Gauss gradient, {name}: {with:?} {:?}", orders(&with));
-        println!("taken for straight: {without:?} {:?}", orders(&without));
-        assert!(orders(&with)[1] > 0.9, "{name}: {with:?}");
-        assert!(orders(&without)[1] < 0.3, "the test can fail, {name}: {without:?}");
+        corrected_orders(&format!("Gauss gradient, {name}"), n, (0.9, 0.3), |n, corrected| {
+            let m = if corrected { on(n) } else { taken_for_straight(on(n)) };
+            let phi = unknown(&Exec::serial(), &m, f, dirichlet(f));
+            let g = of(&m, &Gradient::GaussLinear, &phi);
+            rms(&m, |c| norm(sub(g[c], grad_f(m.cell_centre[c]))))
+        });
     }
 }
 
@@ -130,31 +137,23 @@ fn gauss_gradient_is_first_order() {
 fn divergence_of_an_interpolated_velocity_is_first_order() {
     let exec = Exec::serial();
     for least_squares in [false, true] {
-        let errors = |corrected: bool| -> Vec<f64> {
-            let one = |n| {
-                let m = plane(n);
-                let gradient = match least_squares {
-                    true => Gradient::LeastSquares(LeastSquares::new(&m)),
-                    false => Gradient::GaussLinear,
-                };
-                let u = unknown(&exec, &m, v, dirichlet(v));
-                let mut flux = FaceField::new(&m, "phi", Dims::VOLUME_FLUX, 0.0);
-                operators::flux(&exec, &m, &u, &u.cells.data, &mut flux);
-                if corrected {
-                    let g = of(&m, &gradient, &u);
-                    operators::add_skew_flux(&exec, &m, 1.0, &g, &mut flux);
-                }
-                let mut d = vec![0.0; m.n_cells];
-                operators::divergence(&exec, &m, &flux, &mut d);
-                rms(&m, |c| d[c] - div_v(m.cell_centre[c]))
+        corrected_orders("divergence", [16, 32, 64], (0.9, 0.3), |n, corrected| {
+            let m = plane(n);
+            let gradient = match least_squares {
+                true => Gradient::LeastSquares(LeastSquares::new(&m)),
+                false => Gradient::GaussLinear,
             };
-            [16, 32, 64].map(one).to_vec()
-        };
-        let (with, without) = (errors(true), errors(false));
-        println!("divergence: {with:?} {:?}", orders(&with));
-        println!("uncorrected: {without:?} {:?}", orders(&without));
-        assert!(orders(&with)[1] > 0.9, "{with:?}");
-        assert!(orders(&without)[1] < 0.3, "the test can fail: {without:?}");
+            let u = unknown(&exec, &m, v, dirichlet(v));
+            let mut flux = FaceField::new(&m, "phi", Dims::VOLUME_FLUX, 0.0);
+            operators::flux(&exec, &m, &u, &u.cells.data, &mut flux);
+            if corrected {
+                let g = of(&m, &gradient, &u);
+                operators::add_skew_flux(&exec, &m, 1.0, &g, &mut flux);
+            }
+            let mut d = vec![0.0; m.n_cells];
+            operators::divergence(&exec, &m, &flux, &mut d);
+            rms(&m, |c| d[c] - div_v(m.cell_centre[c]))
+        });
     }
 }
 
@@ -162,32 +161,24 @@ fn divergence_of_an_interpolated_velocity_is_first_order() {
 #[test]
 fn central_differences_are_second_order_on_faces() {
     let exec = Exec::serial();
-    let errors = |corrected: bool| -> Vec<f64> {
-        let one = |n| {
-            let m = if corrected { plane(n) } else { taken_for_straight(plane(n)) };
-            let phi = unknown(&exec, &m, f, dirichlet(f));
-            let g = of(&m, &Gradient::LeastSquares(LeastSquares::new(&m)), &phi);
-            let mut flux = FaceField::new(&m, "phi", Dims::VOLUME_FLUX, 0.0);
-            (0..m.n_faces()).for_each(|f| flux.data[f] = dot([1.0, 0.7, 0.0], m.area[f]));
-            let mut w = FaceField::new(&m, "w", Dims::NONE, 0.0);
-            let mut c = FaceField::new(&m, "c", Dims::VOLUME_FLUX, 0.0);
-            let scheme = Convection::Linear;
-            assert_eq!(scheme.corrects(&m), corrected);
-            scheme.weigh(&exec, &m, &phi, &g, &flux.data, &mut w, &mut c);
-            let x = &phi.cells.data;
-            let off = |i: usize| {
-                let (o, n) = (x[m.owner[i] as usize], x[m.neighbour[i] as usize]);
-                let carried = flux.data[i] * (w.data[i] * o + (1.0 - w.data[i]) * n) + c.data[i];
-                carried / flux.data[i] - f(m.face_centre[i])
-            };
-            let sum: f64 = (0..m.n_inner).map(|i| off(i).powi(2)).sum();
-            (sum / m.n_inner as f64).sqrt()
+    corrected_orders("central differences", [16, 32, 64], (1.85, 1.3), |n, corrected| {
+        let m = if corrected { plane(n) } else { taken_for_straight(plane(n)) };
+        let phi = unknown(&exec, &m, f, dirichlet(f));
+        let g = of(&m, &Gradient::LeastSquares(LeastSquares::new(&m)), &phi);
+        let mut flux = FaceField::new(&m, "phi", Dims::VOLUME_FLUX, 0.0);
+        (0..m.n_faces()).for_each(|f| flux.data[f] = dot([1.0, 0.7, 0.0], m.area[f]));
+        let mut w = FaceField::new(&m, "w", Dims::NONE, 0.0);
+        let mut c = FaceField::new(&m, "c", Dims::VOLUME_FLUX, 0.0);
+        let scheme = Convection::Linear;
+        assert_eq!(scheme.corrects(&m), corrected);
+        scheme.weigh(&exec, &m, &phi, &g, &flux.data, &mut w, &mut c);
+        let x = &phi.cells.data;
+        let off = |i: usize| {
+            let (o, n) = (x[m.owner[i] as usize], x[m.neighbour[i] as usize]);
+            let carried = flux.data[i] * (w.data[i] * o + (1.0 - w.data[i]) * n) + c.data[i];
+            carried / flux.data[i] - f(m.face_centre[i])
         };
-        [16, 32, 64].map(one).to_vec()
-    };
-    let (with, without) = (errors(true), errors(false));
-    println!("central differences: {with:?} {:?}", orders(&with));
-    println!("uncorrected: {without:?} {:?}", orders(&without));
-    assert!(orders(&with)[1] > 1.85, "{with:?}");
-    assert!(orders(&without)[1] < 1.3, "the test can fail: {without:?}");
+        let sum: f64 = (0..m.n_inner).map(|i| off(i).powi(2)).sum();
+        (sum / m.n_inner as f64).sqrt()
+    });
 }

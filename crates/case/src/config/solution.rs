@@ -208,7 +208,14 @@ impl Solution {
             r.opt_label_in(key, least..=i64::from(i32::MAX), default as i64) as usize
         };
         if name == "PISO" {
-            r.ignore("nOuterCorrectors");
+            if count("nOuterCorrectors", 1, 1) > 1 {
+                r.warn_at_key(
+                    "nOuterCorrectors",
+                    "`nOuterCorrectors` is ignored: PISO has none",
+                    "no entry of PISO",
+                    Some("name the dictionary PIMPLE for outer iterations"),
+                );
+            }
             if !granular {
                 self.outer = 1;
             }

@@ -65,7 +65,7 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
             Ok(Event::Step(event)) => {
                 tally.note(&event);
                 if let Some(t) = &event.tensile {
-                    progress.warn(&pulled_apart(t, event.report.time));
+                    progress.warn(&session.out, &pulled_apart(t, event.report.time));
                 }
                 progress.step(&mut session.out, &event);
             }

@@ -209,7 +209,8 @@ impl Algebraic {
         solver.refresh(exec, &equation.a)?;
         let x = &mut alpha.cells.data;
         let solved = solver.solve(exec, &equation.a, &equation.b, x, &params.tolerance);
-        Ok(crate::settle(solved, &mut crate::SolveCount::default())?.iterations)
+        let mut count = crate::SolveCount::default();
+        Ok(crate::settle(solved, x, crate::Purpose::Values, &mut count)?.iterations)
     }
 
     /// `phi alpha_upwind`, into `self.flux`; on the boundary the condition's value.

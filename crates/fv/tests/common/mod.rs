@@ -5,7 +5,9 @@
     clippy::print_stdout,
     reason = "shared by several test programs"
 )]
-use granflow_base::{Dims, Value, Vec3};
+pub mod manufactured;
+
+use granflow_base::{Dims, Value, Vec3, dot};
 use granflow_fv::conditions::{FixedGradient, FixedValue, OfPatchType};
 use granflow_fv::{Condition, Differentiable, Equation, FaceField, Surroundings, Terms, Unknown};
 use granflow_linsolve::{SolverSpec, Tolerance, build};
@@ -134,4 +136,11 @@ pub fn inside(m: &Mesh, c: usize) -> bool {
 /// Observed orders under twofold refinement.
 pub fn orders(errors: &[f64]) -> Vec<f64> {
     errors.windows(2).map(|e| (e[0] / e[1]).log2()).collect()
+}
+
+/// The flux of the uniform velocity `u`.
+pub fn uniform_flux(m: &Mesh, u: Vec3) -> FaceField<f64> {
+    let mut flux = FaceField::new(m, "phi", Dims::VOLUME_FLUX, 0.0);
+    (0..m.n_faces()).for_each(|f| flux.data[f] = dot(u, m.area[f]));
+    flux
 }
