@@ -5,8 +5,7 @@ use crate::args::Place;
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::text::place;
-use granflow_case::CaseError;
-use granflow_case::init::{from_orig, refuse_set_fields};
+use granflow_case::init::from_orig;
 use granflow_case::store::{CaseLock, list_times};
 use granflow_dict::{Sink, Source};
 use std::fs;
@@ -28,9 +27,6 @@ pub(crate) fn command(session: &mut Session, args: &Place) -> Result<(), Failure
         let message = "`0` exists already: nothing was changed";
         return Err(Failure::refused(message, format!("remove it to make it anew from `{ORIG}`")));
     }
-    if refuse_set_fields(root, &session.sink) {
-        return Err(CaseError::Invalid.into());
-    }
     from_orig(root)?;
     session.out.say(&format!("{} made from {ORIG}", place(root, "0")));
     Ok(())
@@ -49,12 +45,9 @@ impl Initial {
     ///
     /// # Errors
     /// The disk refuses, or the case needs more than a copy.
-    pub(crate) fn prepare(root: &Path, sink: &Sink) -> Result<Initial, Failure> {
+    pub(crate) fn prepare(root: &Path) -> Result<Initial, Failure> {
         if !root.join(ORIG).is_dir() || !list_times(root)?.is_empty() {
             return Ok(Initial { made: None });
-        }
-        if refuse_set_fields(root, sink) {
-            return Err(CaseError::Invalid.into());
         }
         let made = from_orig(root)?.then(|| root.join("0"));
         Ok(Initial { made })

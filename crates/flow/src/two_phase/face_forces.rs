@@ -131,6 +131,12 @@ impl FaceForces {
         for (f, _) in mesh.faces_of(c) {
             sum = sum.axpy(self.imbalance[f], mesh.area[f]);
         }
+        self.rebuilt(c, sum)
+    }
+
+    /// The vector in cell `c` for which `sum` is the sum of its normal parts times the area vectors.
+    #[inline]
+    pub(crate) fn rebuilt(&self, c: usize, sum: Vec3) -> Vec3 {
         apply(&self.rebuild[c], sum)
     }
 }

@@ -11,9 +11,12 @@ mod face_forces;
 mod level;
 mod mixture;
 mod momentum;
+mod prescribed;
 mod pressure;
 mod step;
 mod surface_tension;
+
+pub use prescribed::Prescribed;
 
 use crate::vof::{Corners, Vof, VofReport};
 use face_forces::FaceForces;
@@ -39,6 +42,8 @@ pub struct TwoPhase {
     pub reference_pressure: f64,
     /// How the volume fraction moves.
     pub vof: Vof,
+    /// The flow, where it is given (and frozen otherwise).
+    pub prescribed: Option<Prescribed>,
     pub(crate) work: TwoPhaseWork,
 }
 
@@ -99,6 +104,15 @@ impl TwoPhase {
             base: FaceField::new(mesh, "phiHbyA", Dims::VOLUME_FLUX, 0.0),
             vof: VofReport::default(),
         };
-        TwoPhase { rho_2, rheology_2, sigma, frozen, reference_pressure, vof, work }
+        TwoPhase {
+            rho_2,
+            rheology_2,
+            sigma,
+            frozen,
+            reference_pressure,
+            vof,
+            prescribed: None,
+            work,
+        }
     }
 }

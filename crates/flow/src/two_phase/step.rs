@@ -10,6 +10,7 @@ impl Flow {
     pub fn with_second_fluid(mut self, two: crate::TwoPhase) -> Flow {
         self.two_phase = Some(Box::new(two));
         self.refresh_mixture();
+        self.prescribe(self.state.time);
         self.update_conditions();
         self
     }
@@ -33,6 +34,8 @@ impl Flow {
             two.work.alpha_start.copy_from_slice(&alpha.cells.data);
             two.work.rho_old.data.copy_from_slice(&self.work.rho.data);
         }
+        // In the middle of the step, for second order.
+        self.prescribe(self.state.time - 0.5 * dt);
         let mut report = Report { time: self.state.time, dt, ..Report::default() };
         let outer = self.numerics.outer.max(1);
         for k in 0..outer {
@@ -61,6 +64,7 @@ impl Flow {
                 crate::step::note(&mut report.p, &mut report.iterations[1], solved);
             }
         }
+        self.prescribe(self.state.time);
         report.converged = true;
         report.residuals.u = report.u.map_or(0.0, |(first, _)| first.first);
         report.residuals.p = self.continuity_residual();
@@ -89,6 +93,11 @@ impl Flow {
             .map_err(|source| StepError::Interface { time: *time, source: Arc::new(source) })?;
         self.refresh_mixture();
         Ok(())
+    }
+
+    /// Density in the cells, kg/m3.
+    pub fn density(&self) -> &[f64] {
+        &self.work.rho.data
     }
 
     /// Greatest Courant number of a step of one second in cells at the interface, with fractions
