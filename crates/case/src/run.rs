@@ -94,10 +94,9 @@ impl Run {
             }
         }
         // Only a case without any time starts from 0.orig.
-        if list_times(root)?.is_empty() && root.join("0.orig").is_dir() {
-            if init::from_orig(root)? {
-                notices.say("0.orig was copied to 0");
-            }
+        let timeless = list_times(root)?.is_empty() && root.join("0.orig").is_dir();
+        if timeless && init::from_orig(root)? {
+            notices.say("0.orig was copied to 0");
         }
         let case = Case::load(root, options, sink, notices)?;
         let mut run = Run::start(case, options, sink)?;

@@ -4,11 +4,11 @@
 //! program or by OpenFOAM's tools, is taken as it is. Shapes fill cells exactly; regions take the
 //! cells whose centres they hold.
 
-use crate::Notices;
 use crate::fields::VolField;
 use crate::files;
 use crate::restart::WholeState;
 use crate::store::StoreError;
+use crate::{Case, CaseError, Notices, Options};
 use granflow_base::{Dims, Value, Vec3, dot, norm, scale, sub, unit};
 use granflow_dict::{Reader, Severity, Sink, TokenReader};
 use granflow_flow::vof::{Body, Corners, Shape, fill};
@@ -48,6 +48,16 @@ pub(crate) fn apply(
         set_regions(&Reader::new(&dict, sink), &mut target, notices);
     }
     Ok(target.done)
+}
+
+/// Sets the fields of the time that the case starts from, on the disk; returns their names.
+///
+/// # Errors
+/// The case has mistakes (see the sink), or the disk refuses.
+pub fn write(root: &Path, sink: &Sink, notices: &Notices) -> Result<Vec<String>, CaseError> {
+    let case = Case::load(root, &Options::default(), sink, notices)?;
+    crate::output::write_set_fields(&case)?;
+    Ok(case.fields_set)
 }
 
 struct Target<'a> {
@@ -206,9 +216,11 @@ fn set_regions(r: &Reader<'_>, target: &mut Target<'_>, notices: &Notices) {
 }
 
 type Inside = Box<dyn Fn(Vec3) -> bool>;
+/// A kind of region: its name, and how it is read.
+type Region = (&'static str, fn(&Reader<'_>) -> Inside);
 
 /// Regions by name: each reads its dictionary and says what lies inside.
-const REGIONS: &[(&str, fn(&Reader<'_>) -> Inside)] =
+const REGIONS: &[Region] =
     &[("boxToCell", in_box), ("sphereToCell", in_sphere), ("cylinderToCell", in_cylinder)];
 
 fn cells_of(kind: &str, r: &Reader<'_>, mesh: &Mesh) -> Option<Vec<usize>> {

@@ -281,9 +281,8 @@ impl Worker {
         }
         let mut alpha_faces = vec![0.0; mesh.n_faces()];
         if let Some(alpha) = &s.alpha {
-            for f in mesh.n_inner..mesh.n_faces() {
-                alpha_faces[f] = alpha.boundary_value(mesh, f);
-            }
+            let boundary = alpha_faces.iter_mut().enumerate().skip(mesh.n_inner);
+            boundary.for_each(|(f, a)| *a = alpha.boundary_value(mesh, f));
         }
         let backward = flow.numerics.ddt == granflow_flow::TimeScheme::Backward;
         let d = &self.derived;

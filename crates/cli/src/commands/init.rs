@@ -6,6 +6,7 @@ use crate::failure::Failure;
 use crate::session::Session;
 use crate::text::place;
 use granflow_case::init::from_orig;
+use granflow_case::set_fields;
 use granflow_case::store::{CaseLock, list_times};
 use granflow_dict::{Sink, Source};
 use std::fs;
@@ -28,7 +29,18 @@ pub(crate) fn command(session: &mut Session, args: &Place) -> Result<(), Failure
         return Err(Failure::refused(message, format!("remove it to make it anew from `{ORIG}`")));
     }
     from_orig(root)?;
-    session.out.say(&format!("{} made from {ORIG}", place(root, "0")));
+    let mut set = Vec::new();
+    if set_fields::present(root) {
+        // Where to write and what the fields are is known of a whole case only.
+        let made = set_fields::write(root, &session.sink, &session.notices);
+        if made.is_err() {
+            // As it was: what cannot be removed is what this command would have made.
+            let _ = fs::remove_dir_all(root.join("0"));
+        }
+        set = made?;
+    }
+    let set = if set.is_empty() { String::new() } else { format!(", {} set", set.join(", ")) };
+    session.out.say(&format!("{} made from {ORIG}{set}", place(root, "0")));
     Ok(())
 }
 
