@@ -93,7 +93,7 @@ impl SetFlow {
         let s2 = |t: f64| (PI * t).sin().powi(2);
         let (s, c) = (|t: f64| (TAU * t).sin(), |t: f64| (TAU * t).cos());
         let a = match self.mode {
-            Mode::Rotation => [0.0, -0.5 * self.omega * (x * x + z * z), 0.0],
+            Mode::Rotation => [0.0, 0.5 * self.omega * (x * x + z * z), 0.0],
             Mode::Vortex2D => [0.0, s2(x) * s2(z) / PI, 0.0],
             Mode::Vortex3D => {
                 let k = 1.0 / TAU;
