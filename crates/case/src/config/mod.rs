@@ -48,6 +48,7 @@ impl CaseConfig {
     pub fn read(root: &Path, sink: &Sink, notices: &Notices) -> Result<CaseConfig, CaseError> {
         forbidden::refuse(root, sink)?;
         let gravity = read_gravity(root, sink)?;
+        refuse_other_heights(root, sink)?;
         let transport = Transport::read(root, sink, notices)?;
         let found = files::dict(root, "system/controlDict", sink)?;
         let absent = found.is_none();
@@ -100,6 +101,17 @@ impl CaseConfig {
         let two = self.transport.second.is_some();
         if self.gravity.is_some() || two { "p_rgh" } else { "p" }
     }
+}
+
+/// Heights are measured from the origin: another `constant/hRef` would change what p_rgh means.
+fn refuse_other_heights(root: &Path, sink: &Sink) -> Result<(), CaseError> {
+    let Some(dict) = files::dict(root, "constant/hRef", sink)? else { return Ok(()) };
+    let r = Reader::new(&dict, sink);
+    if r.opt_scalar("value", Dims::LENGTH, 0.0) != 0.0 {
+        let help = "write 0, and p_rgh = p - rho g.x in the conditions; or use prghPressure";
+        r.error_at_key("value", "hRef is not supported", "not zero", Some(help));
+    }
+    Ok(())
 }
 
 /// `constant/g`, a uniformDimensionedVectorField.

@@ -145,7 +145,7 @@ impl Flow {
         let asked = if last { &numerics.p.last } else { &numerics.p.tolerance };
         let share = share_of_correction(exec, n, w, &mut state.p.cells.data);
         let tolerance = if settle {
-            Tolerance { abs: 0.0, rel: SETTLING_REDUCTION, max_iter: asked.max_iter }
+            Tolerance { abs: 1e-16 / share, rel: SETTLING_REDUCTION, ..*asked }
         } else {
             let whole = size_of(exec, &w.p_eqn.b) / share;
             let gross = gross_flux(exec, mesh, &w.phi_star.data);

@@ -26,6 +26,8 @@ pub(crate) struct SurfaceTension {
     /// The volume fraction, smoothed, under its own conditions.
     smooth: Vec<f64>,
     faces: Vec<f64>,
+    /// Whether the mean of a cell's faces takes the face: inner ones, and those with a contact angle.
+    takes: Vec<bool>,
     /// How much the curvature of a cell counts: most at the interface.
     weight: Vec<f64>,
     /// Flux of the unit normal through the faces, m2.
@@ -44,6 +46,7 @@ impl SurfaceTension {
             gradient: vec![[0.0; 3]; mesh.n_all()],
             smooth: vec![0.0; mesh.n_all()],
             faces: vec![0.0; mesh.n_faces()],
+            takes: (0..mesh.n_faces()).map(|f| f < mesh.n_inner).collect(),
             weight: vec![0.0; mesh.n_all()],
             normal_flux: vec![0.0; mesh.n_faces()],
             least_gradient: 1e-8 / (volume / cells).cbrt(),
@@ -88,6 +91,9 @@ impl SurfaceTension {
                 *w = a * (1.0 - a) + LEAST_WEIGHT;
             }
         });
+        for (patch, condition) in mesh.patches.iter().zip(&alpha.conditions) {
+            self.takes[patch.faces.clone()].fill(condition.contact_angle().is_some());
+        }
         // The conditions hold for the smoothed fraction too: it takes the place of the other.
         self.smooth.copy_from_slice(&alpha.cells.data);
         std::mem::swap(&mut self.smooth, &mut alpha.cells.data);
@@ -99,17 +105,17 @@ impl SurfaceTension {
         std::mem::swap(&mut self.smooth, &mut alpha.cells.data);
     }
 
-    /// Every cell takes the mean of its inner faces.
+    /// Every cell takes the mean of its faces, but of boundaries that say nothing about the interface.
     fn smoothen(&mut self, exec: &Exec, mesh: &Mesh, alpha: &mut Unknown<f64>) {
         let of = &*alpha;
         exec.for_each(&mut self.faces, |first, out| {
             out.iter_mut().enumerate().for_each(|(i, a)| *a = of.face_value(mesh, first + i));
         });
-        let faces = &self.faces;
+        let (faces, takes) = (&self.faces, &self.takes);
         exec.for_each(&mut alpha.cells.data[..mesh.n_cells], |first, out| {
             for (i, a) in out.iter_mut().enumerate() {
                 let (mut sum, mut area) = (0.0, 0.0);
-                for (f, _) in mesh.faces_of(first + i).filter(|(f, _)| *f < mesh.n_inner) {
+                for (f, _) in mesh.faces_of(first + i).filter(|(f, _)| takes[*f]) {
                     sum += mesh.mag_area[f] * faces[f];
                     area += mesh.mag_area[f];
                 }
