@@ -49,7 +49,7 @@ pub struct SetFlow {
     constant: f64,
     /// a sine.
     sine: Option<Sine>,
-    /// Time after which the flow has turned round, s.
+    /// Time after which the flow runs backwards, s.
     reverse: Option<f64>,
 }
 
@@ -112,7 +112,7 @@ impl SetFlow {
             let scaled = sine.map_or(constant, |s| {
                 s.level + s.scale * s.amplitude * (TAU * s.frequency * (t - s.t0)).sin()
             });
-            scaled * reverse.map_or(1.0, |end| (PI * t / end).cos())
+            if reverse.is_some_and(|at| t > at) { -scaled } else { scaled }
         };
         Prescribed { flux, factor: Box::new(factor) }
     }

@@ -46,7 +46,7 @@ pub(crate) fn dam() -> Case {
         files.iter().copied().zip(texts.iter().map(String::as_str)).collect();
     let mut case = Case::new(&pairs)
         .edit("system/blockMeshDict", "(80 40 1)", "(16 8 1)")
-        .edit("system/controlDict", "endTime         0.25;", "endTime         0.02;")
+        .edit("system/controlDict", "endTime         0.3;", "endTime         0.02;")
         .edit("system/controlDict", "writeInterval   0.05;", "writeInterval   0.01;");
     case.edits.clear();
     case
