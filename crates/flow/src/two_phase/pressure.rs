@@ -90,8 +90,8 @@ impl Flow {
         if skewed {
             numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
         }
-        let (h, u_start, phi_start) = (&w.hby_a, &w.u_start, &w.phi_start);
-        let (rho, r_a, skew) = (&t.rho_old.data, &w.r_a.data, &w.skew_start.data);
+        let (h, ahead) = (&w.hby_a, &w.ahead.data);
+        let (rho, r_a) = (&t.rho_old.data, &w.r_a.data);
         let (u, open, grad_u) = (&state.u, &t.forces.open, &w.grad_u);
         exec.for_each(&mut t.base.data, |first, out| {
             for (i, phi) in out.iter_mut().enumerate() {
@@ -105,14 +105,12 @@ impl Flow {
                 };
                 let (nb, w) = (nb as usize, mesh.weight[f]);
                 let between = |x: &[Vec3]| dot(x[o].scaled(w).axpy(1.0 - w, x[nb]), mesh.area[f]);
-                let mut ahead = phi_start[f] - between(u_start);
                 *phi = between(h);
                 if skewed {
-                    ahead -= skew[f];
                     *phi += dot(operators::skew_part::<Vec3>(mesh, grad_u, f), mesh.area[f]);
                 }
                 let memory = w * rho[o] * r_a[o] + (1.0 - w) * rho[nb] * r_a[nb];
-                *phi += memory / dt * ahead;
+                *phi += memory / dt * ahead[f];
             }
         });
     }
@@ -156,7 +154,8 @@ impl Flow {
         numerics.p.solver.refresh(exec, &w.p_eqn.a).map_err(failed)?;
         let p_prime = &mut w.p_prime.cells.data;
         let result = numerics.p.solver.solve(exec, &w.p_eqn.a, &w.p_eqn.b, p_prime, &tolerance);
-        let solved = crate::settle_correction(result, p_prime, &mut w.solves[1]).map_err(failed)?;
+        let solved = crate::settle(result, p_prime, crate::Purpose::Correction, &mut w.solves[1])
+            .map_err(failed)?;
         let solved = Solved { first: share * solved.first, last: share * solved.last, ..solved };
         mesh.halo.update(exec, p_prime);
         let p_prime = &w.p_prime.cells.data;
