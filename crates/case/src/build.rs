@@ -6,7 +6,8 @@ use crate::boundary::conditions;
 use crate::collect::{own_cells, own_fluxes, tidy};
 use crate::config::GradientKind;
 use granflow_base::{Dims, Vec3};
-use granflow_flow::{Flow, Fluid, Numerics, Solve, State};
+use granflow_flow::vof::Vof;
+use granflow_flow::{Flow, Fluid, Numerics, Solve, State, TwoPhase, TwoPhaseParts};
 use granflow_fv::{FaceField, Gradient, LeastSquares, Surroundings, Unknown, operators};
 use granflow_linsolve::{LinearSolver, build as solver, gamg};
 use granflow_mesh::{Mesh, PatchKind};
@@ -25,6 +26,7 @@ pub(crate) struct Start {
     pub(crate) phi: Option<Vec<f64>>,
     pub(crate) phi_old: Option<Vec<f64>>,
     pub(crate) fluidity: Option<Vec<f64>>,
+    pub(crate) alpha: Option<Vec<f64>>,
 }
 
 impl Start {
@@ -41,6 +43,7 @@ impl Start {
             phi: s.phi.as_ref().map(|phi| own_fluxes(mesh, phi)),
             phi_old: s.phi_old.as_ref().map(|phi| own_fluxes(mesh, phi)),
             fluidity: s.has_fluidity.then(|| own_cells(mesh, &s.fluidity.cells)),
+            alpha: s.alpha.as_ref().map(|a| own_cells(mesh, &a.cells)),
         }
     }
 
@@ -72,8 +75,13 @@ impl Start {
                 .rheology
                 .field()
                 .map(|g| g.data[..n].iter().map(|g| tidy(*g)).collect()),
+            alpha: s.alpha.as_ref().map(|a| tidied_scalars(&a.cells.data[..n])),
         }
     }
+}
+
+fn tidied_scalars(v: &[f64]) -> Vec<f64> {
+    v.iter().map(|x| tidy(*x)).collect()
 }
 
 /// A solver that the configuration has checked.
@@ -153,6 +161,58 @@ pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Fl
         reference_value: case.reference.map_or(0.0, |r| r.1),
     };
     let (time, step, dt_old) = (start.time, start.step, start.dt_old);
-    let state = State { time, step, u, u_old, dt_old, p, phi, phi_old };
-    Flow::new(exec, mesh, state, Fluid { rho, rheology }, case.gravity, numerics)
+    let (alpha, second) = second_phase(case, &exec, &mesh, &p, start.alpha);
+    let state = State { time, step, u, u_old, dt_old, p, phi, phi_old, alpha };
+    let flow = Flow::new(exec, mesh, state, Fluid { rho, rheology }, case.gravity, numerics);
+    match second {
+        Some(second) => flow.with_second_fluid(second),
+        None => flow,
+    }
+}
+
+/// The volume fraction and the second phase, where there are two.
+fn second_phase(
+    case: &Case,
+    exec: &Exec,
+    mesh: &Mesh,
+    p: &Unknown<f64>,
+    start: Option<Vec<f64>>,
+) -> (Option<Unknown<f64>>, Option<TwoPhase>) {
+    let config = &case.config;
+    let (Some(second), Some(params)) = (&config.transport.second, &config.vof) else {
+        return (None, None);
+    };
+    let (Some(field), Some(start)) = (&case.start.alpha, start) else { return (None, None) };
+    let alpha_conditions = conditions::<f64>(&field.boundary, mesh, &case.poly, Dims::NONE, 1.0);
+    let mut alpha = Unknown::new(mesh, &field.name, Dims::NONE, 0.0, alpha_conditions);
+    alpha.cells.data[..mesh.n_cells].copy_from_slice(&start);
+    mesh.halo.update(exec, &mut alpha.cells.data);
+    let Ok(vof) = Vof::new(exec, &case.poly, mesh, params) else {
+        // The mesh was checked when the case was loaded.
+        return (None, None);
+    };
+    let other = &second.transport;
+    let context = FluidContext {
+        density: other.rho,
+        exec,
+        mesh,
+        fluidity_conditions: Vec::new(),
+        numerics: NgfNumerics {
+            solver: checked(&config.solution.fluidity.spec),
+            tolerance: config.solution.fluidity.tolerance,
+            residual: config.solution.newton,
+        },
+    };
+    let parts = TwoPhaseParts {
+        rho_2: other.rho,
+        rheology_2: other.rheology(context),
+        sigma: second.sigma,
+        frozen: config.solution.frozen,
+        reference_pressure: case.reference.map_or(0.0, |r| r.1),
+        vof,
+    };
+    let mut two = TwoPhase::new(exec, &case.poly, mesh, p, case.gravity.hydrostatic, parts);
+    let given = config.functions.iter().find_map(|f| f.plan.prescribes());
+    two.prescribed = given.map(|flow| flow.on(&case.poly, mesh));
+    (Some(alpha), Some(two))
 }

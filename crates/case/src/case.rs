@@ -2,7 +2,7 @@
 
 use crate::config::{ReferenceCell, StartFrom};
 use crate::restart::{WholeState, start_dir};
-use crate::{CaseConfig, CaseError, Notices, figures, init, meshing};
+use crate::{CaseConfig, CaseError, Notices, figures, meshing, set_fields};
 use granflow_base::{Tensor, Vec3, dot, norm, scale, sub, unit};
 use granflow_dict::{Diag, Sink, number};
 use granflow_flow::Gravity;
@@ -59,6 +59,8 @@ pub struct Case {
     pub mesh_made: bool,
     /// The state to start from.
     pub start: WholeState,
+    /// Fields that setFieldsDict or setAlphaFieldDict changed, which are not so on the disk.
+    pub fields_set: Vec<String>,
     /// Gravity, split into what p_rgh absorbs and what drives the flow along cyclic directions.
     pub gravity: Gravity,
     /// User's cell and pressure inside (Pa, p or p_rgh) of the reference, if any is needed.
@@ -106,12 +108,13 @@ impl Case {
         }
         figures::check(root, sink)?;
         let gravity = split_gravity(root, &config, &mesh, sink, notices);
-        let Some(start) = start else { return Err(CaseError::Invalid) };
+        let Some(mut start) = start else { return Err(CaseError::Invalid) };
+        let mut fields_set = Vec::new();
+        if start.step == 0 && !start.restarted {
+            fields_set = set_fields::apply(root, &poly, &mesh, &mut start, sink, notices)?;
+        }
         let end = options.until.unwrap_or(config.control.end);
         need_time_ahead(&config, options, &start, end, sink);
-        if start.step == 0 {
-            init::warn_of_set_fields(root, &dir, sink);
-        }
         let mut case = Case {
             root: root.to_owned(),
             config,
@@ -119,6 +122,7 @@ impl Case {
             mesh: Arc::new(mesh),
             mesh_made: loaded.made,
             start,
+            fields_set,
             gravity,
             reference: None,
             end,
@@ -184,6 +188,10 @@ impl Case {
             }
         };
         let here = self.mesh.global_cell.iter().position(|&c| c as usize == cell)?;
+        if self.config.transport.second.is_some() {
+            // Of the pressure itself; the weight above it changes with the interface.
+            return Some((cell, given.value));
+        }
         // pRefValue is the pressure itself; p_rgh lacks the weight of the fluid.
         let weight =
             self.config.transport.rho * dot(self.gravity.hydrostatic, self.mesh.cell_centre[here]);

@@ -1,36 +1,7 @@
 //! The initial fields of a case: `0.orig` becomes `0`.
 
-use crate::files;
 use crate::store::{DirWriter, Operation, StoreError};
-use granflow_dict::{Diag, Severity, Sink};
 use std::path::Path;
-
-/// What OpenFOAM would change the fields of `0.orig` with.
-const SET_FIELDS: &str = "system/setFieldsDict";
-
-/// Refuses a case whose `0.orig` is meant to go through `setFieldsDict`; says whether it did.
-pub fn refuse_set_fields(root: &Path, sink: &Sink) -> bool {
-    let refused = files::exists(root, SET_FIELDS);
-    if refused {
-        let path = root.join(SET_FIELDS).display().to_string();
-        let d = Diag::file(path, "setFieldsDict is not supported: 0 cannot be made from 0.orig");
-        sink.push(d.help(
-            "make `0` with OpenFOAM's setFields, or remove the file and give the fields in 0.orig",
-        ));
-    }
-    refused
-}
-
-/// Warns that a start from fields that are there already leaves `setFieldsDict` alone.
-pub(crate) fn warn_of_set_fields(root: &Path, dir: &str, sink: &Sink) {
-    if files::exists(root, SET_FIELDS) {
-        let path = root.join(SET_FIELDS).display().to_string();
-        let message = format!("setFieldsDict is not read: the fields in `{dir}` are taken as is");
-        let mut d = Diag::file(path, message).help("remove the file if they are what is meant");
-        d.severity = Severity::Warning;
-        sink.push(d);
-    }
-}
 
 /// Copies `0.orig` to `0` when there is none, whole or not at all; says whether it did.
 ///

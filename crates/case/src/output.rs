@@ -1,7 +1,7 @@
 //! Time directories and the tables of functions. Only rank 0 comes here.
 
 use crate::boundary::of_kind;
-use crate::fields::Sheet;
+use crate::fields::{Sheet, VolField};
 use crate::functions::Written;
 use crate::restart::Clock;
 use crate::store::{Operation, StoreError, TimeWriter, write_atomic};
@@ -100,13 +100,17 @@ pub(crate) fn write_time(
     if let Some(phi_old) = &s.phi_old {
         dir.file("phi_0", &sheet("phi_0", Dims::VOLUME_FLUX).surface(phi_old))?;
     }
+    if let (Some(a), Some(field)) = (&s.alpha, &entries.alpha) {
+        let text = sheet(&field.name, Dims::NONE).vol(a, &field.boundary, Some(&s.alpha_faces));
+        dir.file(&field.name, &text)?;
+    }
     if let Some(g) = &s.fluidity {
         let faces = owner_values(case, g);
         let text = sheet("fluidity", Dims::RATE).vol(g, &entries.fluidity.boundary, Some(&faces));
         dir.file("fluidity", &text)?;
     }
     if let (Some(total), "p_rgh") = (&s.pressure, pressure) {
-        let faces = per(&total_on_faces(case, &s.p_faces));
+        let faces = per(&total_on_faces(case, s));
         let calculated: Vec<Dict> = dictated.iter().map(calculated).collect();
         let text = sheet("p", entries.p.dims).vol(&per(total), &calculated, Some(&faces));
         dir.file("p", &text)?;
@@ -131,17 +135,51 @@ pub(crate) fn write_time(
     Ok(())
 }
 
+/// Writes the fields that were set into the directory they came from.
+pub(crate) fn write_set_fields(case: &Case) -> Result<(), CaseError> {
+    if case.fields_set.is_empty() {
+        return Ok(());
+    }
+    let (control, start) = (&case.config.control, &case.start);
+    let mut dir =
+        TimeWriter::begin(&case.root, &start.dir)?.keep_existing()?.compressed(control.compression);
+    for name in &case.fields_set {
+        let sheet =
+            |dims| Sheet { name, time: &start.dir, dims, format: control.format, poly: &case.poly };
+        let scalar = |f: &VolField<f64>| {
+            let faces = owner_values(case, &f.cells);
+            sheet(f.dims).vol(&f.cells, &f.boundary, Some(&faces))
+        };
+        let text = match &start.alpha {
+            Some(alpha) if alpha.name == *name => scalar(alpha),
+            _ if start.p.name == *name => scalar(&start.p),
+            _ => sheet(start.u.dims).vol(&start.u.cells, &start.u.boundary, None),
+        };
+        dir.file(name, &text)?;
+    }
+    dir.commit()?;
+    Ok(())
+}
+
 /// On every face the value of its owner.
 fn owner_values(case: &Case, cells: &[f64]) -> Vec<f64> {
     case.poly.owner.iter().map(|&c| cells[c as usize]).collect()
 }
 
 /// p on boundary faces from p_rgh there.
-fn total_on_faces(case: &Case, p_rgh: &[f64]) -> Vec<f64> {
-    let (mesh, mut out) = (&case.mesh, p_rgh.to_vec());
+fn total_on_faces(case: &Case, s: &Sheets) -> Vec<f64> {
+    let (mesh, mut out) = (&case.mesh, s.p_faces.clone());
+    let transport = &case.config.transport;
+    let rho = |face: usize| match &transport.second {
+        Some(second) => {
+            let a = s.alpha_faces[face].clamp(0.0, 1.0);
+            a * transport.rho + (1.0 - a) * second.transport.rho
+        }
+        None => transport.rho,
+    };
     for f in mesh.n_inner..mesh.n_faces() {
-        let weight = case.config.transport.rho * dot(case.gravity.hydrostatic, mesh.face_centre[f]);
-        out[(mesh.poly_face[f] >> 1) as usize] += weight;
+        let face = (mesh.poly_face[f] >> 1) as usize;
+        out[face] += rho(face) * dot(case.gravity.hydrostatic, mesh.face_centre[f]);
     }
     out
 }

@@ -17,6 +17,8 @@ pub struct WholeState {
     pub time: f64,
     /// Steps since time zero.
     pub step: usize,
+    /// Whether a run wrote it.
+    pub restarted: bool,
     /// Length of the next step before it is fitted to write times, s (adjustable steps only).
     pub dt: Option<f64>,
     /// Length of the last step, s; 0 when unknown.
@@ -31,6 +33,8 @@ pub struct WholeState {
     pub phi: Option<Vec<f64>>,
     /// Fluxes one step earlier, m3/s.
     pub phi_old: Option<Vec<f64>>,
+    /// Volume fraction of the first phase, where there are two.
+    pub alpha: Option<VolField<f64>>,
     /// Fluidity; `cells` are zero where there is no file.
     pub fluidity: VolField<f64>,
     /// Whether `fluidity` came from a file.
@@ -65,7 +69,25 @@ impl WholeState {
         }
         let pressure = config.pressure();
         let accept = [Dims::PRESSURE, Dims::KINEMATIC_PRESSURE];
-        let p = read_vol::<f64>(root, dir, pressure, &accept, poly, sink)?;
+        let second = config.transport.second.as_deref();
+        // With two densities there is no pressure per density.
+        let accept = if second.is_some() { &accept[..1] } else { &accept[..] };
+        let p = read_vol::<f64>(root, dir, pressure, accept, poly, sink)?;
+        let mut alpha = None;
+        if let Some(second) = second {
+            let name = second.alpha();
+            let none = [Dims::NONE];
+            alpha = read_vol::<f64>(root, dir, &name, &none, poly, sink)?;
+            if alpha.is_none() {
+                // What tutorials copy into place before they fill it.
+                let original = format!("{name}.orig");
+                alpha = read_vol::<f64>(root, dir, &original, &none, poly, sink)?;
+            }
+            match &mut alpha {
+                Some(field) => field.name = name,
+                None => missing(&name, "two phases need the volume fraction of the first one"),
+            }
+        }
         if p.is_none() {
             let other = if pressure == "p" { "p_rgh" } else { "p" };
             match (files::exists(root, &format!("{dir}/{other}")), pressure) {
@@ -108,10 +130,14 @@ impl WholeState {
             clock.dt_old = 0.0;
         }
         let (Some(u), Some(p)) = (u, p) else { return Ok(None) };
+        if second.is_some() && alpha.is_none() {
+            return Ok(None);
+        }
         Ok(Some(WholeState {
             dir: dir.into(),
             time: clock.time,
             step: clock.step,
+            restarted: phi.is_some(),
             dt: clock.dt,
             dt_old: clock.dt_old,
             u,
@@ -119,6 +145,7 @@ impl WholeState {
             p,
             phi,
             phi_old,
+            alpha,
             fluidity,
             has_fluidity,
         }))

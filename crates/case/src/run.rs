@@ -94,13 +94,9 @@ impl Run {
             }
         }
         // Only a case without any time starts from 0.orig.
-        if list_times(root)?.is_empty() && root.join("0.orig").is_dir() {
-            if init::refuse_set_fields(root, sink) {
-                return Err(CaseError::Invalid);
-            }
-            if init::from_orig(root)? {
-                notices.say("0.orig was copied to 0");
-            }
+        let timeless = list_times(root)?.is_empty() && root.join("0.orig").is_dir();
+        if timeless && init::from_orig(root)? {
+            notices.say("0.orig was copied to 0");
         }
         let case = Case::load(root, options, sink, notices)?;
         let mut run = Run::start(case, options, sink)?;
@@ -117,6 +113,7 @@ impl Run {
         if case.mesh_made {
             meshing::write(&case.root, &case.poly, control.format, control.compression)?;
         }
+        output::write_set_fields(&case)?;
         let case = Arc::new(case);
         let crew = Crew::new(case.clone(), options).map_err(|e| {
             let path = case.root.join(meshing::POLY_MESH).display().to_string();
@@ -245,11 +242,12 @@ impl Run {
         let control = &self.case.config.control;
         let time = self.flow().state.time;
         if let Some(adjust) = control.adjust {
+            // Over the greatest Courant number allowed.
             let rate = match self.crew.worker.order(Order::Courant) {
                 Ok(Answer::Number(rate)) => rate,
                 _ => 0.0,
             };
-            let room = adjust.max_co / (rate * self.dt).max(1e-15);
+            let room = 1.0 / (rate * self.dt).max(1e-15);
             self.dt = (self.dt * room.min(1.0 + 0.1 * room).min(1.2)).min(adjust.max_dt);
         }
         let control = &self.case.config.control;

@@ -29,7 +29,7 @@ pub(crate) enum Order {
     Collect(bool),
     /// Go on as a restart from what was written would.
     Renew,
-    /// Greatest Courant number of a step of one second.
+    /// Greatest Courant number of a step of one second, over what it may be.
     Courant,
     /// The end.
     Stop,
@@ -83,6 +83,9 @@ pub(crate) struct Sheets {
     pub(crate) phi: Vec<f64>,
     pub(crate) phi_old: Option<Vec<f64>>,
     pub(crate) fluidity: Option<Vec<f64>>,
+    pub(crate) alpha: Option<Vec<f64>>,
+    /// Of alpha, zero where there is none.
+    pub(crate) alpha_faces: Vec<f64>,
     pub(crate) pressure: Option<Vec<f64>>,
     pub(crate) strain_rate: Option<Vec<f64>>,
     pub(crate) viscosity: Option<Vec<f64>>,
@@ -207,7 +210,14 @@ impl Worker {
                 self.renew();
                 Ok(Answer::Done)
             }
-            Order::Courant => Ok(Answer::Number(courant(self.flow()))),
+            Order::Courant => {
+                let Some(adjust) = self.case.config.control.adjust else {
+                    return Ok(Answer::Number(0.0));
+                };
+                let flow = self.flow();
+                let at_interface = flow.interface_courant_rate() / adjust.max_alpha_co;
+                Ok(Answer::Number((courant(flow) / adjust.max_co).max(at_interface)))
+            }
             Order::Stop => Ok(Answer::Done),
         }
     }
@@ -247,7 +257,8 @@ impl Worker {
             fluidity: flow.fluid.rheology.field().map(|g| &g.data[..]),
             derived,
             grains: case.config.transport.grains,
-            rho: flow.fluid.rho,
+            alpha: flow.state.alpha.as_ref(),
+            density: flow.density(),
             gravity: flow.gravity.hydrostatic,
             pressure_factor: case.pressure_factor(),
             time: flow.state.time,
@@ -268,6 +279,11 @@ impl Worker {
             u_faces[f] = s.u.boundary_value(mesh, f);
             p_faces[f] = s.p.boundary_value(mesh, f);
         }
+        let mut alpha_faces = vec![0.0; mesh.n_faces()];
+        if let Some(alpha) = &s.alpha {
+            let boundary = alpha_faces.iter_mut().enumerate().skip(mesh.n_inner);
+            boundary.for_each(|(f, a)| *a = alpha.boundary_value(mesh, f));
+        }
         let backward = flow.numerics.ddt == granflow_flow::TimeScheme::Backward;
         let d = &self.derived;
         Sheets {
@@ -279,6 +295,8 @@ impl Worker {
             phi: c.faces(exec, &s.phi.data, true).unwrap_or_default(),
             phi_old: if backward { c.faces(exec, &s.phi_old, true) } else { None },
             fluidity: flow.fluid.rheology.field().and_then(|g| whole(&g.data)),
+            alpha: s.alpha.as_ref().and_then(|a| whole(&a.cells.data)),
+            alpha_faces: c.faces(exec, &alpha_faces, false).unwrap_or_default(),
             pressure: if derived { whole(&d.pressure) } else { None },
             strain_rate: if derived { whole(&d.strain_rate) } else { None },
             viscosity: if derived { whole(&d.viscosity) } else { None },

@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{Case, cavity, granflow, ring, text};
+use common::{Case, cavity, dam, granflow, ring, text};
 
 /// Runs the bad case and returns what was said about it.
 fn diagnose(case: &Case) -> String {
@@ -123,7 +123,10 @@ bad! {
     empty_time_table: ring().edit("0.orig/U", "omega   0.2;", "omega   table ();");
     macro_undefined_in_vector: cavity().edit("0/U", "uniform (1 0 0);", "uniform ($lidSpeed 0 0);");
     macro_undefined_as_type: cavity().edit("0/U", "type        noSlip;", "type        $wallType;");
-    set_fields: ring().write("system/setFieldsDict", "regions ();");
+    set_fields: dam().edit("system/setFieldsDict", "boxToCell", "boxTocell");
+    set_fields_without_a_box: dam().edit("system/setFieldsDict", "box (0 0 -1) (0.146 0.292 1);", "");
+    missing_alpha: dam().rename("0.orig/alpha.water", "0.orig/alpha.wather");
+    contact_angle_out_of_range: dam().edit("0.orig/alpha.water", "walls       { type zeroGradient; }", "walls { type constantAlphaContactAngle; theta0 190; limit gradiant; }");
     time_table_of_words: ring().edit("0.orig/U", "omega   0.2;", "omega   table ((0 fast) (1));");
     axis_without_direction: ring().edit("0.orig/U", "axis    (0 0 1);", "axis    (0 0 0);");
     p_with_gravity: cavity().write("constant/g", "dimensions [0 1 -2 0 0 0 0]; value (0 -9.81 0);");
@@ -155,6 +158,13 @@ bad! {
     unknown_form: ring().edit(TRANSPORT, "form steady;", "form stationary;");
     missing_transport: cavity().remove(TRANSPORT);
     two_phases: cavity().edit(TRANSPORT, "transportModel ", "phases (water air);\ntransportModel ");
+    other_heights: dam().write("constant/hRef", "dimensions [0 1 0 0 0 0 0]; value 0.1;");
+    one_phase_of_two: dam().edit(TRANSPORT, "phases (water air);", "phases (water);");
+    phase_without_density: dam().edit(TRANSPORT, "    rho             1000;\n", "");
+    grains_beside_air: dam().edit(TRANSPORT, "transportModel  Newtonian;\n    nu              1e-06;", "transportModel muI; mus 0.3; mu2 0.6; I0 0.3; d 1e-3; rhos 2500;");
+    backward_with_two_phases: dam().edit(SCHEMES, "default Euler", "default backward");
+    unknown_reconstruction: dam().edit(SOLUTION, "nAlphaCorr      2;", "reconstructionScheme plicRdf; nAlphaCorr 0;");
+    set_flow_that_is_solved: dam().edit(CONTROL, "type            phase;", "type setFlow; mode vortex2d;");
     turbulence: cavity().write("constant/turbulenceProperties", "simulationType RAS; RAS { RASModel kEpsilon; }");
     moving_mesh: cavity().write("constant/dynamicMeshDict", "dynamicFvMesh dynamicMotionSolverFvMesh;");
     source_terms: cavity().write("constant/fvOptions", "heat { type scalarSemiImplicitSource; active yes; }");

@@ -1,4 +1,5 @@
-//! One time step of an incompressible flow of one fluid: momentum, pressure, viscosity.
+//! One time step of an incompressible flow of one fluid or two: interface, momentum, pressure,
+//! viscosity.
 
 mod anderson;
 mod coupled;
@@ -12,6 +13,7 @@ mod predictor;
 mod pressure;
 mod state;
 mod step;
+mod two_phase;
 mod viscosity;
 pub mod vof;
 mod work;
@@ -22,6 +24,7 @@ pub use state::{
     StepError, TimeScheme,
 };
 pub use step::{Derived, Flow};
+pub use two_phase::{Prescribed, TwoPhase, TwoPhaseParts};
 
 use granflow_base::Value;
 use granflow_linsolve::{SolveError, Solved};

@@ -173,7 +173,13 @@ fn off_diagonal(a: &granflow_linsolve::Csr, row: usize) -> f64 {
 }
 
 /// `to += k from` on the first `faces` faces.
-fn add_faces<T: Value>(exec: &granflow_par::Exec, faces: usize, k: f64, from: &[T], to: &mut [T]) {
+pub(crate) fn add_faces<T: Value>(
+    exec: &granflow_par::Exec,
+    faces: usize,
+    k: f64,
+    from: &[T],
+    to: &mut [T],
+) {
     exec.for_each(&mut to[..faces], |first, to| {
         to.iter_mut().enumerate().for_each(|(i, t)| *t = t.axpy(k, from[first + i]));
     });

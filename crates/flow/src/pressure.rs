@@ -112,7 +112,7 @@ impl Flow {
 
 /// Size of the equation for the correction p' over that of the equation for p itself: a tolerance
 /// is relative to the pressure, as OpenFOAM's users know it, not to what is left to correct.
-fn share_of_correction(
+pub(crate) fn share_of_correction(
     exec: &granflow_par::Exec,
     n: usize,
     w: &mut crate::work::Work,
@@ -182,7 +182,7 @@ fn self_correct(
 impl Flow {
     /// Refreshes ghosts and closures of velocity and pressure.
     pub(crate) fn update_conditions(&mut self) {
-        let Flow { exec, mesh, state, work: w, gravity, .. } = self;
+        let Flow { exec, mesh, state, work: w, gravity, two_phase, .. } = self;
         let around = Surroundings {
             time: state.time,
             gravity: gravity.hydrostatic,
@@ -190,6 +190,15 @@ impl Flow {
             ..Surroundings::default()
         };
         state.u.update(exec, mesh, &around, Some(&state.phi));
+        let (rho, dynamic) = (&w.rho.data, &mut w.dynamic_pressure);
+        for f in mesh.n_inner..mesh.n_faces() {
+            let u = state.u.boundary_value(mesh, f);
+            dynamic[f - mesh.n_inner] =
+                0.5 * rho[mesh.owner[f] as usize] * granflow_base::dot(u, u);
+        }
+        let flux_gradient = two_phase.as_ref().map_or(&[][..], |t| t.work.wall_gradient());
+        let around =
+            Surroundings { dynamic_pressure: &w.dynamic_pressure, flux_gradient, ..around };
         state.p.update(exec, mesh, &around, Some(&state.phi));
     }
 }

@@ -1,10 +1,12 @@
 //! What a restart file holds, how to solve, and what a step reports.
 
+use crate::vof::{VofError, VofReport};
 use granflow_base::Vec3;
 use granflow_fv::{Convection, FaceField, Gradient, Unknown};
 use granflow_linsolve::{LinearSolver, SolveError, Solved, Tolerance};
 use granflow_physics::rheology::Beyond;
 use granflow_physics::{Rheology, RheologyError, RheologyInfo};
+use std::sync::Arc;
 
 /// Exactly what a restart file holds: nothing here follows from the rest, and what is not here
 /// may be garbage between steps. (The rheology's own field, fluidity, is part of it and lives
@@ -26,9 +28,11 @@ pub struct State {
     pub phi: FaceField<f64>,
     /// Volume flux one step earlier (backward differences), m3/s.
     pub phi_old: Vec<f64>,
+    /// Volume fraction of fluid 1 where there are two.
+    pub alpha: Option<Unknown<f64>>,
 }
 
-/// The material: one fluid of constant density.
+/// The material: one fluid of constant density, the first where there are two.
 pub struct Fluid {
     /// Density, kg/m3.
     pub rho: f64,
@@ -180,6 +184,8 @@ pub struct Report {
     pub courant: [f64; 2],
     /// Greatest change of velocity in the step over the greatest velocity.
     pub change: f64,
+    /// How the interface moved, where there are two fluids.
+    pub vof: Option<VofReport>,
 }
 
 /// Why a step failed.
@@ -205,6 +211,14 @@ pub enum StepError {
         time: f64,
         /// What the model said.
         source: RheologyError,
+    },
+    /// The volume fraction could not be moved.
+    #[error("volume fraction at time {time}: {source}")]
+    Interface {
+        /// Time, s.
+        time: f64,
+        /// What the method said.
+        source: Arc<VofError>,
     },
     /// Friction is used up somewhere, and the computation failed over it.
     #[error(

@@ -26,6 +26,8 @@ pub struct Flow {
     pub gravity: Gravity,
     /// How to solve.
     pub numerics: Numerics,
+    /// The second fluid, where there are two.
+    pub two_phase: Option<Box<crate::TwoPhase>>,
     /// Set from outside: a step that is under way is given up before its next outer pass.
     pub stop: Option<Arc<AtomicBool>>,
     pub(crate) level_fixed: bool,
@@ -49,15 +51,28 @@ impl Flow {
         let mut any = fixed;
         exec.comm().max(&mut any);
         let level_fixed = any[0] > 0.0;
-        let stop = None;
-        let mut flow =
-            Flow { exec, mesh, state, fluid, gravity, numerics, stop, level_fixed, work };
+        let (stop, two_phase) = (None, None);
+        let mut flow = Flow {
+            exec,
+            mesh,
+            state,
+            fluid,
+            gravity,
+            numerics,
+            two_phase,
+            stop,
+            level_fixed,
+            work,
+        };
         flow.update_conditions();
         flow
     }
 
     /// What [`Flow::step`] does, with errors as they come.
     pub(crate) fn advance(&mut self, dt: f64) -> Result<Report, StepError> {
+        if self.two_phase.is_some() {
+            return self.advance_two_phases(dt);
+        }
         self.begin_step(dt);
         self.recall_viscosity(dt)?;
         self.work.anderson.reset();
@@ -236,7 +251,7 @@ impl Flow {
         Ok(())
     }
 
-    fn begin_step(&mut self, dt: f64) {
+    pub(crate) fn begin_step(&mut self, dt: f64) {
         self.remember_flux(dt);
         let Flow { state, work: w, fluid, .. } = self;
         w.u_start.copy_from_slice(&state.u.cells.data);
@@ -256,7 +271,7 @@ impl Flow {
         self.update_conditions();
     }
 
-    fn end_step(&mut self, dt: f64, report: &mut Report) -> Result<(), StepError> {
+    pub(crate) fn end_step(&mut self, dt: f64, report: &mut Report) -> Result<(), StepError> {
         self.check_finite()?;
         let Flow { exec, mesh, state, work: w, .. } = self;
         let (u, old) = (&state.u.cells.data, &w.u_start);
@@ -282,17 +297,20 @@ impl Flow {
 
     /// Restores the state before the step that failed.
     pub fn rollback(&mut self) {
-        let Flow { state, work: w, fluid, .. } = self;
+        let Flow { state, work: w, fluid, two_phase, .. } = self;
         (state.time, state.step) = w.clock_start;
         w.fresh = false;
         state.u.cells.data.copy_from_slice(&w.u_start);
         state.p.cells.data.copy_from_slice(&w.p_start);
         state.phi.data.copy_from_slice(&w.phi_start);
+        if let (Some(two), Some(alpha)) = (two_phase, &mut state.alpha) {
+            alpha.cells.data.copy_from_slice(&two.work.alpha_start);
+        }
         fluid.rheology.rollback();
     }
 
     /// Net over gross flux of the cells.
-    fn continuity_residual(&self) -> f64 {
+    pub(crate) fn continuity_residual(&self) -> f64 {
         let (mesh, phi) = (&self.mesh, &self.state.phi.data);
         let [net, gross] = self.exec.sums(mesh.n_cells, |range| {
             let mut s = [0.0; 2];
@@ -363,7 +381,9 @@ impl Flow {
     pub fn derived(&mut self) -> Result<Derived<'_>, StepError> {
         self.update_conditions();
         self.numerics.gradient.of(&self.exec, &self.mesh, &self.state.u, &mut self.work.grad_u);
-        if self.work.fresh {
+        if self.two_phase.is_some() {
+            self.mix_viscosity_of_fluids(self.state.dt_old.max(f64::MIN_POSITIVE))?;
+        } else if self.work.fresh {
             self.total_pressure();
         } else {
             self.recall_viscosity(self.state.dt_old.max(f64::MIN_POSITIVE))?;
@@ -438,7 +458,7 @@ fn max2(exec: &Exec, n: usize, f: impl Fn(usize) -> [f64; 2] + Sync) -> [f64; 2]
     [0, 1].map(|k| exec.max(n, |r| r.map(|c| f(c)[k]).fold(0.0, f64::max)))
 }
 
-fn note(kept: &mut Option<(Solved, Solved)>, iterations: &mut usize, solved: Solved) {
+pub(crate) fn note(kept: &mut Option<(Solved, Solved)>, iterations: &mut usize, solved: Solved) {
     *iterations += solved.iterations;
     let first = kept.map_or(solved, |(first, _)| first);
     *kept = Some((first, solved));

@@ -63,6 +63,8 @@ pub(crate) struct Work {
     pub(crate) p_scratch: FaceField<f64>,
     /// 1/(2 eta), the pressure's answer to compression where viscosity rules.
     pub(crate) compliance: CellField<f64>,
+    /// `rho U^2/2` on boundary faces, Pa.
+    pub(crate) dynamic_pressure: Vec<f64>,
     pub(crate) reconstruction: Reconstruction,
     /// Sum of the forces at work, from the last momentum residual, N.
     pub(crate) force: f64,
@@ -128,6 +130,7 @@ impl Work {
             p_prime: Unknown::new(m, "p'", p.cells.dims, 0.0, conditions),
             p_scratch: FaceField::new(m, "phi'", Dims::VOLUME_FLUX, 0.0),
             compliance: CellField::new(m, "1/(2 eta)", Dims::VISCOSITY.inv(), 0.0),
+            dynamic_pressure: vec![0.0; m.n_faces() - m.n_inner],
             reconstruction: Reconstruction::new(m),
             force: 0.0,
             coupled: Coupled::new(exec, m),

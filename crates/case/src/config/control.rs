@@ -11,7 +11,8 @@ pub const APPLICATIONS: &[(&str, &str)] = &[
     ("pisoFoam", "laminar flow, PISO"),
     ("pimpleFoam", "laminar flow, outer iterations"),
     ("nonNewtonianIcoFoam", "generalised Newtonian flow, PISO"),
-    ("interFoam", "two phases; here with one: the transportProperties of a single phase"),
+    ("interFoam", "two phases, the interface by flux-corrected transport with compression"),
+    ("interIsoFoam", "two phases, the interface by isoAdvector"),
 ];
 
 /// `startFrom`.
@@ -43,6 +44,8 @@ pub enum WriteControl {
 pub struct Adjust {
     /// Greatest Courant number, `maxCo`.
     pub max_co: f64,
+    /// Greatest Courant number where there is an interface, `maxAlphaCo`.
+    pub max_alpha_co: f64,
     /// Longest step, `maxDeltaT`, s.
     pub max_dt: f64,
 }
@@ -171,7 +174,6 @@ impl Control {
 const HARMLESS: &[&str] = &[
     "runTimeModifiable",
     "graphFormat",
-    "maxAlphaCo",
     "libs",
     "OptimisationSwitches",
     "DebugSwitches",
@@ -246,5 +248,6 @@ fn adjust(r: &Reader<'_>) -> Option<Adjust> {
     let on = r.opt_switch("adjustTimeStep", false);
     let max_co = r.opt_positive("maxCo", Dims::NONE, 1.0);
     let max_dt = r.opt_positive("maxDeltaT", Dims::TIME, f64::INFINITY);
-    on.then_some(Adjust { max_co, max_dt })
+    let max_alpha_co = r.opt_positive("maxAlphaCo", Dims::NONE, max_co);
+    on.then_some(Adjust { max_co, max_alpha_co, max_dt })
 }

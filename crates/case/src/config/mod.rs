@@ -8,16 +8,17 @@ mod forbidden;
 mod schemes;
 mod solution;
 mod transport;
+mod vof;
 
 pub use control::{APPLICATIONS, Adjust, Control, StartFrom, WriteControl};
 pub use schemes::{GradientKind, Schemes};
 pub use solution::{LinearSolve, Reference, ReferenceCell, Solution};
-pub use transport::Transport;
+pub use transport::{SecondPhase, Transport};
 
 use crate::functions::Planned;
 use crate::{CaseError, Notices, files};
 use granflow_base::{Dims, Vec3};
-use granflow_dict::{Dict, Reader, Severity, Sink};
+use granflow_dict::{Diag, Dict, Reader, Severity, Sink};
 use std::path::Path;
 
 /// A case's dictionaries as plain data.
@@ -32,6 +33,8 @@ pub struct CaseConfig {
     pub transport: Transport,
     /// `constant/g`, m/s2; with it the pressure is p_rgh.
     pub gravity: Option<Vec3>,
+    /// How the volume fraction moves, where there are two phases.
+    pub vof: Option<granflow_flow::vof::Params>,
     /// `functions` of `controlDict`.
     pub functions: Vec<Planned>,
 }
@@ -45,13 +48,14 @@ impl CaseConfig {
     pub fn read(root: &Path, sink: &Sink, notices: &Notices) -> Result<CaseConfig, CaseError> {
         forbidden::refuse(root, sink)?;
         let gravity = read_gravity(root, sink)?;
+        refuse_other_heights(root, sink)?;
         let transport = Transport::read(root, sink, notices)?;
         let found = files::dict(root, "system/controlDict", sink)?;
         let absent = found.is_none();
         let control_dict = match found {
             Some(d) => d,
             None => {
-                let d = granflow_dict::Diag::file(
+                let d = Diag::file(
                     root.join("system/controlDict").display().to_string(),
                     "this file is missing: it says how long to run and what to write",
                 );
@@ -68,23 +72,46 @@ impl CaseConfig {
             None => Schemes::default(),
         };
         let solution_dict = files::dict(root, "system/fvSolution", sink)?.unwrap_or_default();
-        let pressure = if gravity.is_some() { "p_rgh" } else { "p" };
+        let two = transport.second.as_deref();
+        let pressure = if gravity.is_some() || two.is_some() { "p_rgh" } else { "p" };
         let solution = Solution::read(
             &solution_dict,
             &control.application,
             pressure,
-            transport.model != "Newtonian",
+            two.is_none() && transport.model != "Newtonian",
             transport.grains.is_some(),
             sink,
             notices,
         );
-        Ok(CaseConfig { control, schemes, solution, transport, gravity, functions })
+        if two.is_some() && schemes.ddt != granflow_flow::TimeScheme::Euler {
+            let path = root.join("system/fvSchemes").display().to_string();
+            let message = "two phases move by the Euler scheme only";
+            sink.push(Diag::file(path, message).help("write `ddtSchemes { default Euler; }`"));
+        }
+        let vof = two.map(|two| {
+            let geometric = control.application == "interIsoFoam";
+            let (alpha, scheme) = (two.alpha(), schemes.alpha);
+            vof::read(&solution_dict, &alpha, geometric, scheme, sink, notices)
+        });
+        Ok(CaseConfig { control, schemes, solution, transport, gravity, functions, vof })
     }
 
-    /// The pressure that is solved for: `p_rgh` where gravity acts, else `p`.
+    /// The pressure that is solved for: `p_rgh` where gravity acts or two phases meet, else `p`.
     pub fn pressure(&self) -> &'static str {
-        if self.gravity.is_some() { "p_rgh" } else { "p" }
+        let two = self.transport.second.is_some();
+        if self.gravity.is_some() || two { "p_rgh" } else { "p" }
     }
+}
+
+/// Heights are measured from the origin: another `constant/hRef` would change what p_rgh means.
+fn refuse_other_heights(root: &Path, sink: &Sink) -> Result<(), CaseError> {
+    let Some(dict) = files::dict(root, "constant/hRef", sink)? else { return Ok(()) };
+    let r = Reader::new(&dict, sink);
+    if r.opt_scalar("value", Dims::LENGTH, 0.0) != 0.0 {
+        let help = "write 0, and p_rgh = p - rho g.x in the conditions; or use prghPressure";
+        r.error_at_key("value", "hRef is not supported", "not zero", Some(help));
+    }
+    Ok(())
 }
 
 /// `constant/g`, a uniformDimensionedVectorField.

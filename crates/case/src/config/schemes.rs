@@ -25,6 +25,8 @@ pub struct Schemes {
     pub gradient: GradientKind,
     /// `div(phi,U)` of `divSchemes`.
     pub convection: Convection,
+    /// `div(phi,alpha)` of `divSchemes`, for algebraic transport of a volume fraction.
+    pub alpha: Convection,
     /// `laplacianSchemes`: 1 corrected, 0 uncorrected, between: limited.
     pub non_orthogonal: f64,
 }
@@ -35,6 +37,7 @@ impl Default for Schemes {
             ddt: TimeScheme::Euler,
             gradient: GradientKind::GaussLinear,
             convection: Convection::LinearUpwind,
+            alpha: Convection::Limited(LimiterKind::VanLeer(1.0)),
             non_orthogonal: 1.0,
         }
     }
@@ -57,6 +60,9 @@ impl Schemes {
         }
         if let Some(sub) = r.opt_sub("divSchemes") {
             s.convection = divergence(&sub, notices);
+            if sub.has("div(phi,alpha)") {
+                s.alpha = scheme_of(&sub, "div(phi,alpha)", s.alpha, notices);
+            }
             leave(&sub, "div(");
         }
         if let Some(sub) = r.opt_sub("laplacianSchemes") {
@@ -193,7 +199,12 @@ fn divergence(r: &Reader<'_>, notices: &Notices) -> Convection {
         r.error_here("no scheme for the convection of U", "`div(phi,U)` is missing", Some(&help));
         return Convection::LinearUpwind;
     };
-    let Some(mut t) = r.tokens(key) else { return Convection::LinearUpwind };
+    scheme_of(r, key, Convection::LinearUpwind, notices)
+}
+
+/// The scheme behind `key`.
+fn scheme_of(r: &Reader<'_>, key: &str, default: Convection, notices: &Notices) -> Convection {
+    let Some(mut t) = r.tokens(key) else { return default };
     let mut word = t.word("the scheme");
     if word == "bounded" {
         word = t.word("the scheme");

@@ -69,6 +69,8 @@ pub struct Solution {
     pub correctors: usize,
     /// Repetitions of a correction for non-orthogonality.
     pub non_orthogonal_correctors: usize,
+    /// Whether velocity and pressure stay as they are (`frozenFlow`).
+    pub frozen: bool,
     /// Whether momentum is solved before the pressure.
     pub predictor: bool,
     /// When outer iterations stop.
@@ -168,6 +170,7 @@ impl Solution {
             outer: if varies { 150 } else { 1 },
             correctors: if varies { 1 } else { 2 },
             non_orthogonal_correctors: 0,
+            frozen: false,
             predictor: true,
             control: ResidualControl::default(),
             newton: 1e-10,
@@ -223,19 +226,30 @@ impl Solution {
         if name != "PISO" {
             self.outer = count("nOuterCorrectors", self.outer, 1);
         }
-        self.correctors = count("nCorrectors", self.correctors, 1);
-        self.non_orthogonal_correctors = count("nNonOrthogonalCorrectors", 0, 0);
+        self.frozen = r.opt_switch("frozenFlow", false);
+        if self.frozen {
+            // Cases of OpenFOAM write -1 there.
+            r.ignore("nCorrectors");
+            r.ignore("nNonOrthogonalCorrectors");
+        }
+        if !self.frozen {
+            self.correctors = count("nCorrectors", self.correctors, 1);
+            self.non_orthogonal_correctors = count("nNonOrthogonalCorrectors", 0, 0);
+        }
         self.predictor = r.opt_switch("momentumPredictor", true);
         self.read_reference(r);
         for other in [
             "consistent",
             "transonic",
             "turbOnFinalIterOnly",
-            "frozenFlow",
             "nAlphaCorr",
             "nAlphaSubCycles",
             "cAlpha",
+            "icAlpha",
+            "nAlphaBounds",
+            "checkMeshCourantNo",
             "correctPhi",
+            "ddtCorr",
             "moveMeshOuterCorrectors",
             "pMin",
             "pMax",

@@ -24,8 +24,31 @@ pub struct Transport {
     pub has_fluidity: bool,
     /// Whether the viscosity never changes.
     pub is_constant: bool,
+    /// The second phase where there are two; everything else is of the first.
+    pub second: Option<Box<SecondPhase>>,
     dict: Dict,
 }
+
+/// What `phases` adds to the first of them.
+#[derive(Clone, Debug)]
+pub struct SecondPhase {
+    /// Names of both phases; the volume fraction is `alpha.<first>`.
+    pub names: [String; 2],
+    /// Surface tension, N/m.
+    pub sigma: f64,
+    /// The second one.
+    pub transport: Transport,
+}
+
+impl SecondPhase {
+    /// Name of the volume fraction of the first phase.
+    pub fn alpha(&self) -> String {
+        format!("alpha.{}", self.names[0])
+    }
+}
+
+/// N/m.
+const SURFACE_TENSION: Dims = Dims::new(1, 0, -2);
 
 /// Models whose density must be given: their stress is written in Pa.
 const GRANULAR: &[&str] = &["muI", "muIRegularised", "NGF"];
@@ -51,14 +74,7 @@ impl Transport {
             return Ok(Transport::water());
         };
         if dict.find("phases").is_some() {
-            let r = Reader::new(&dict, sink);
-            r.error_at(
-                &r.key_span("phases"),
-                "flow of two phases is not supported yet",
-                "two phases",
-                Some("put the entries of one phase at the top level, without `phases`"),
-            );
-            return Ok(Transport::water());
+            return Ok(Transport::two(&dict, sink));
         }
         if let Some(e) = dict.remove("viscosityModel")
             && dict.find("transportModel").is_none()
@@ -72,6 +88,51 @@ impl Transport {
             notices.say("transportProperties: no transportModel, so the viscosity is `nu`");
         }
         Ok(Transport::checked(dict, sink))
+    }
+
+    /// `phases (first second);` with a dictionary for each, and `sigma`.
+    fn two(dict: &Dict, sink: &Sink) -> Transport {
+        let r = Reader::new(dict, sink);
+        let names = r.words("phases");
+        let [first, second] = names[..] else {
+            let message = format!("two phases are needed, found {}", names.len());
+            let help = "write `phases (water air);`: the first is the one of alpha";
+            r.error_at_key("phases", message, "two names", Some(help));
+            return Transport::water();
+        };
+        let sigma = r.opt_non_negative("sigma", SURFACE_TENSION, 0.0);
+        let phase = |name: &str| {
+            let Some(sub) = r.sub(name) else { return Transport::water() };
+            let mut dict = sub.dict().clone();
+            sub.ignore_all();
+            let model = dict.word("transportModel").map(|m| format!("{m}Coeffs"));
+            // OpenFOAM's tutorials carry the coefficients of models that are not in use.
+            let unused = |e: &Entry| {
+                let key = e.key.text();
+                key.ends_with("Coeffs") && Some(key) != model.as_deref()
+            };
+            dict.entries.retain(|e| !unused(e));
+            if dict.find("transportModel").is_none() {
+                dict.set("transportModel", "Newtonian");
+            }
+            let at = Reader::new(&dict, sink);
+            if !at.has("rho") {
+                at.positive("rho", Dims::DENSITY);
+            }
+            let phase = Transport::checked(dict, sink);
+            if phase.grains.is_some() {
+                let message =
+                    format!("`{}` beside a second phase is not supported yet", phase.model);
+                let help = "granular models need the pressure between grains, measured from the \
+                            interface";
+                sub.error_at_key("transportModel", message, "a granular model", Some(help));
+            }
+            phase
+        };
+        let (one, two) = (phase(first), phase(second));
+        r.finish(Severity::Warning);
+        let names = [first.to_owned(), second.to_owned()];
+        Transport { second: Some(Box::new(SecondPhase { names, sigma, transport: two })), ..one }
     }
 
     /// Reads everything once, on a mesh of one cell: every mistake shows whatever the mesh is.
@@ -128,6 +189,7 @@ impl Transport {
             cooperativity: None,
             has_fluidity: false,
             is_constant: true,
+            second: None,
             dict: Dict::new(),
         }
     }

@@ -7,15 +7,18 @@ mod columns;
 mod field_min_max;
 mod forces;
 mod locate;
+mod phase;
 mod probes;
 mod quantity;
 mod residuals;
 pub(crate) mod schedule;
+mod set_flow;
 mod sets;
 mod track;
 
 pub use quantity::{Derivations, Quantity, View};
 pub use schedule::Schedule;
+pub use set_flow::SetFlow;
 
 use crate::CaseConfig;
 use granflow_dict::{Reader, Sink, nearest};
@@ -55,6 +58,10 @@ pub trait Function: Send {
 pub trait Plan: Send + Sync {
     /// Checks what depends on the mesh and on the rest of the case.
     fn check(&self, mesh: &Mesh, config: &CaseConfig, sink: &Sink);
+    /// The flow that it gives, in place of one that is solved for.
+    fn prescribes(&self) -> Option<&SetFlow> {
+        None
+    }
     /// The function on a rank's mesh. Every rank calls it.
     fn build(&self, mesh: &Mesh, exec: &Exec) -> Box<dyn Function>;
 }
@@ -91,6 +98,8 @@ pub const ALL: &[Entry] = &[
     forces::ENTRY,
     residuals::ENTRY,
     field_min_max::ENTRY,
+    phase::ENTRY,
+    set_flow::ENTRY,
 ];
 
 /// Names that OpenFOAM's cases write for the same things.

@@ -17,6 +17,8 @@ pub enum Quantity {
     P,
     /// Pressure without its hydrostatic part, in the units of the case's files.
     PRgh,
+    /// Volume fraction of the first phase, by its name in files (`alpha.water`).
+    Alpha,
     /// Fluidity, 1/s.
     Fluidity,
     /// `sqrt(2 D:D)`, 1/s.
@@ -35,6 +37,7 @@ impl Quantity {
         ("U", Quantity::U),
         ("p", Quantity::P),
         ("p_rgh", Quantity::PRgh),
+        ("alpha", Quantity::Alpha),
         ("fluidity", Quantity::Fluidity),
         ("strainRate", Quantity::StrainRate),
         ("viscosity", Quantity::Viscosity),
@@ -58,7 +61,10 @@ impl Quantity {
     }
     /// Whether it follows from the state by a computation of its own.
     pub fn derived(self) -> bool {
-        !matches!(self, Quantity::U | Quantity::P | Quantity::PRgh | Quantity::Fluidity)
+        !matches!(
+            self,
+            Quantity::U | Quantity::P | Quantity::PRgh | Quantity::Alpha | Quantity::Fluidity
+        )
     }
 }
 
@@ -78,7 +84,8 @@ impl Wanted {
         let span = r.value_span(key);
         let mut list = Vec::new();
         for w in words {
-            match Quantity::ALL.iter().find(|q| q.0 == w) {
+            let word = if w.starts_with("alpha.") { "alpha" } else { w };
+            match Quantity::ALL.iter().find(|q| q.0 == word) {
                 Some(q) => list.push(q.1),
                 None => {
                     let names = Quantity::ALL.iter().map(|q| q.0);
@@ -96,7 +103,8 @@ impl Wanted {
     pub(crate) fn check(&self, config: &crate::CaseConfig, sink: &Sink) {
         for q in &self.list {
             let why = match q {
-                Quantity::PRgh if config.gravity.is_none() => "the case has no gravity: use `p`",
+                Quantity::PRgh if config.pressure() == "p" => "the case has no gravity: use `p`",
+                Quantity::Alpha if config.transport.second.is_none() => "it has one phase only",
                 Quantity::Fluidity if !config.transport.has_fluidity => {
                     "only nonlocal rheologies have a fluidity"
                 }
@@ -177,8 +185,10 @@ pub struct View<'a> {
     pub derived: &'a Derivations,
     /// The grains, if any.
     pub grains: Option<Granular>,
-    /// Density, kg/m3.
-    pub rho: f64,
+    /// Volume fraction of the first phase, where there are two.
+    pub alpha: Option<&'a Unknown<f64>>,
+    /// Density in the cells, kg/m3.
+    pub density: &'a [f64],
     /// The part of gravity in p_rgh, m/s2.
     pub gravity: Vec3,
     /// Pressure inside over pressure in files.
@@ -202,10 +212,11 @@ impl View<'_> {
         match q {
             Quantity::U => self.u.cells.data[c],
             Quantity::P => {
-                let weight = self.rho * dot(self.gravity, self.mesh.cell_centre[c]);
+                let weight = self.density[c] * dot(self.gravity, self.mesh.cell_centre[c]);
                 scalar((self.p.cells.data[c] + weight) / self.pressure_factor)
             }
             Quantity::PRgh => scalar(self.p.cells.data[c] / self.pressure_factor),
+            Quantity::Alpha => scalar(self.alpha.map_or(0.0, |a| a.cells.data[c])),
             Quantity::Fluidity => scalar(self.fluidity.map_or(0.0, |g| g[c])),
             Quantity::StrainRate => scalar(d.strain_rate[c]),
             Quantity::Viscosity => scalar(d.viscosity[c]),
@@ -223,6 +234,7 @@ impl View<'_> {
             Quantity::PRgh => {
                 Some([self.p.boundary_value(self.mesh, f) / self.pressure_factor, 0.0, 0.0])
             }
+            Quantity::Alpha => self.alpha.map(|a| [a.boundary_value(self.mesh, f), 0.0, 0.0]),
             Quantity::P => Some([self.pressure_at(f) / self.pressure_factor, 0.0, 0.0]),
             _ => None,
         }
@@ -230,7 +242,8 @@ impl View<'_> {
 
     /// The pressure itself on boundary face `f`, Pa.
     pub fn pressure_at(&self, f: usize) -> f64 {
-        let weight = self.rho * dot(self.gravity, self.mesh.face_centre[f]);
+        let rho = self.density[self.mesh.owner[f] as usize];
+        let weight = rho * dot(self.gravity, self.mesh.face_centre[f]);
         self.p.boundary_value(self.mesh, f) + weight
     }
 

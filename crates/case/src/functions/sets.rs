@@ -83,9 +83,24 @@ impl Sets {
             lines: Vec::new(),
             fields: Wanted::read(r, "fields"),
             linear: r.opt_one_of("interpolationScheme", &scheme, true),
-            csv: r.opt_one_of("setFormat", &[("raw", false), ("csv", true)], false),
+            csv: format(r),
         }
     }
+}
+
+/// Formats of other programs' tables: their numbers are written as columns.
+const AS_COLUMNS: &[&str] = &["vtk", "gnuplot", "xmgr", "jplot", "ensight"];
+
+/// Whether tables are csv, rather than columns.
+fn format(r: &Reader<'_>) -> bool {
+    if let Some(word) = r.raw("setFormat").and_then(|t| t.first()?.word())
+        && AS_COLUMNS.contains(&word)
+    {
+        let message = format!("`{word}` is served by `raw`: columns of numbers");
+        r.warn_at_key("setFormat", message, "not written", None);
+        return false;
+    }
+    r.opt_one_of("setFormat", &[("raw", false), ("csv", true)], false)
 }
 
 impl Plan for Sets {

@@ -90,6 +90,9 @@ impl Line {
             if kind == Kind::Given { Axis::Xyz } else { Axis::Distance },
         );
         r.ignore("ordered");
+        if kind != Kind::Uniform {
+            r.ignore("nPoints");
+        }
         let mut line = Line {
             name: name.into(),
             points: Points::Middles,

@@ -18,7 +18,7 @@ pub(crate) fn command(session: &mut Session, args: &Check) -> Result<(), Failure
     let root = args.case.as_path();
     need_case(root)?;
     // Taken back when this function returns.
-    let initial = Initial::prepare(root, &session.sink)?;
+    let initial = Initial::prepare(root)?;
     let loaded = Case::load(root, &Options::default(), &session.sink, &session.notices);
     initial.restate(root, &session.sink);
     let case = match loaded {

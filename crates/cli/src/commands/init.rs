@@ -5,8 +5,8 @@ use crate::args::Place;
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::text::place;
-use granflow_case::CaseError;
-use granflow_case::init::{from_orig, refuse_set_fields};
+use granflow_case::init::from_orig;
+use granflow_case::set_fields;
 use granflow_case::store::{CaseLock, list_times};
 use granflow_dict::{Sink, Source};
 use std::fs;
@@ -28,11 +28,19 @@ pub(crate) fn command(session: &mut Session, args: &Place) -> Result<(), Failure
         let message = "`0` exists already: nothing was changed";
         return Err(Failure::refused(message, format!("remove it to make it anew from `{ORIG}`")));
     }
-    if refuse_set_fields(root, &session.sink) {
-        return Err(CaseError::Invalid.into());
-    }
     from_orig(root)?;
-    session.out.say(&format!("{} made from {ORIG}", place(root, "0")));
+    let mut set = Vec::new();
+    if set_fields::present(root) {
+        // Where to write and what the fields are is known of a whole case only.
+        let made = set_fields::write(root, &session.sink, &session.notices);
+        if made.is_err() {
+            // As it was: what cannot be removed is what this command would have made.
+            let _ = fs::remove_dir_all(root.join("0"));
+        }
+        set = made?;
+    }
+    let set = if set.is_empty() { String::new() } else { format!(", {} set", set.join(", ")) };
+    session.out.say(&format!("{} made from {ORIG}{set}", place(root, "0")));
     Ok(())
 }
 
@@ -49,12 +57,9 @@ impl Initial {
     ///
     /// # Errors
     /// The disk refuses, or the case needs more than a copy.
-    pub(crate) fn prepare(root: &Path, sink: &Sink) -> Result<Initial, Failure> {
+    pub(crate) fn prepare(root: &Path) -> Result<Initial, Failure> {
         if !root.join(ORIG).is_dir() || !list_times(root)?.is_empty() {
             return Ok(Initial { made: None });
-        }
-        if refuse_set_fields(root, sink) {
-            return Err(CaseError::Invalid.into());
         }
         let made = from_orig(root)?.then(|| root.join("0"));
         Ok(Initial { made })

@@ -34,7 +34,7 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
         ..Options::default()
     };
     let _lock = CaseLock::take(root)?;
-    let initial = Initial::prepare(root, &session.sink)?;
+    let initial = Initial::prepare(root)?;
     let loaded = Case::load(root, &options, &session.sink, &session.notices);
     if loaded.is_err() {
         initial.restate(root, &session.sink);

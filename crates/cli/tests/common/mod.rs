@@ -25,6 +25,33 @@ pub(crate) fn ring() -> Case {
     Case::new(RING)
 }
 
+/// The breaking dam of the catalogue on 16 x 8 cells, for 20 ms.
+pub(crate) fn dam() -> Case {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/dam_break");
+    let files = [
+        "0.orig/U",
+        "0.orig/p_rgh",
+        "0.orig/alpha.water",
+        "constant/g",
+        "constant/transportProperties",
+        "system/blockMeshDict",
+        "system/controlDict",
+        "system/fvSchemes",
+        "system/fvSolution",
+        "system/setFieldsDict",
+    ];
+    let texts: Vec<String> =
+        files.iter().map(|f| fs::read_to_string(folder.join(f)).unwrap()).collect();
+    let pairs: Vec<(&str, &str)> =
+        files.iter().copied().zip(texts.iter().map(String::as_str)).collect();
+    let mut case = Case::new(&pairs)
+        .edit("system/blockMeshDict", "(80 40 1)", "(16 8 1)")
+        .edit("system/controlDict", "endTime         0.3;", "endTime         0.02;")
+        .edit("system/controlDict", "writeInterval   0.05;", "writeInterval   0.01;");
+    case.edits.clear();
+    case
+}
+
 impl Case {
     fn new(files: &[(&str, &str)]) -> Case {
         let case = Case { dir: tempfile::tempdir().unwrap(), edits: String::new() };

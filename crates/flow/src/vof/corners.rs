@@ -19,7 +19,7 @@ pub struct Corners {
     facet_start: Vec<u32>,
     facet_points: Vec<u32>,
     /// Most points, facet corners and facets of one cell.
-    pub(super) largest_cell: [usize; 3],
+    pub(crate) largest_cell: [usize; 3],
 }
 
 impl Corners {

@@ -127,6 +127,7 @@ impl Setup {
             p,
             phi: FaceField::new(&m, "phi", Dims::VOLUME_FLUX, 0.0),
             phi_old: vec![0.0; m.n_faces()],
+            alpha: None,
         };
         let fluid = Fluid { rho: self.rho, rheology };
         Flow::new(self.exec, m, state, fluid, self.gravity, self.numerics)

@@ -2,7 +2,7 @@
 
 use super::basic::{field_text, pick};
 use super::{Condition, PatchClosure, PatchView};
-use granflow_base::Value;
+use granflow_base::{Value, Vec3, dot, scale};
 
 /// Zero gradient where the flow leaves, a given value where it enters.
 pub struct InletOutlet<T> {
@@ -30,5 +30,28 @@ impl<T: Value> Condition<T> for InletOutlet<T> {
     }
     fn entries(&self) -> Vec<(String, String)> {
         vec![("inletValue".into(), field_text(&self.inlet))]
+    }
+}
+
+/// Velocity where the pressure is given: what leaves does so freely, what enters comes along the
+/// normal of the face, as fast as the cell's velocity.
+pub struct PressureInletOutletVelocity;
+impl Condition<Vec3> for PressureInletOutletVelocity {
+    fn name(&self) -> &'static str {
+        "pressureInletOutletVelocity"
+    }
+    fn update(&mut self, view: &PatchView<'_, Vec3>, closure: &mut PatchClosure<'_, Vec3>) {
+        closure.free();
+        let Some(flux) = view.flux else { return };
+        for (i, f) in flux.iter().enumerate() {
+            if *f < 0.0 {
+                let n = view.normal[i];
+                let speed = dot(view.cells[view.owner[i] as usize], n);
+                (closure.offset[i], closure.slope[i]) = (scale(n, speed), 0.0);
+            }
+        }
+    }
+    fn entries(&self) -> Vec<(String, String)> {
+        Vec::new()
     }
 }

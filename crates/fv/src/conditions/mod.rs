@@ -10,6 +10,7 @@
 //! a small patch, and one line in [`ALL`].
 
 mod basic;
+mod contact_angle;
 mod flow_direction;
 mod local_fluidity;
 mod pressure;
@@ -19,9 +20,10 @@ mod slip;
 mod table;
 
 pub use basic::{FixedGradient, FixedValue, ZeroGradient};
-pub use flow_direction::InletOutlet;
+pub use contact_angle::{ConstantAlphaContactAngle, ContactLimit};
+pub use flow_direction::{InletOutlet, PressureInletOutletVelocity};
 pub use local_fluidity::LocalFluidity;
-pub use pressure::{FixedFluxPressure, PrghPressure};
+pub use pressure::{FixedFluxPressure, PrghPressure, TotalPressure};
 pub use registry::{ALL, Entry, PatchContext, read_scalar, read_vector};
 pub use rotating::RotatingWall;
 pub use slip::Slip;
@@ -93,6 +95,11 @@ pub struct Surroundings<'a> {
     /// Normal gradient that makes the flux through a face match the velocity condition, over all
     /// boundary faces (for `fixedFluxPressure`); empty where it does not apply.
     pub flux_gradient: &'a [f64],
+    /// Normal gradient of a volume fraction that contact angles ask for, over all boundary faces,
+    /// 1/m; empty where there is no interface.
+    pub contact_gradient: &'a [f64],
+    /// `rho U^2/2` on all boundary faces, Pa (for total pressures); empty where it does not apply.
+    pub dynamic_pressure: &'a [f64],
     /// Local fluidity over all cells, 1/s (for `localFluidity`).
     pub local_fluidity: &'a [f64],
 }
@@ -134,6 +141,11 @@ pub trait Condition<T>: Send + Sync {
     fn name(&self) -> &'static str;
     /// Fills the closure of the patch.
     fn update(&mut self, view: &PatchView<'_, T>, closure: &mut PatchClosure<'_, T>);
+    /// The angle at which an interface meets the wall, through fluid 1, if the condition gives one,
+    /// radians.
+    fn contact_angle(&self) -> Option<f64> {
+        None
+    }
     /// Whether the condition pins the level of the field (so that no reference cell is needed).
     fn fixes_value(&self) -> bool {
         false

@@ -63,3 +63,50 @@ impl Condition<f64> for FixedFluxPressure {
         Vec::new()
     }
 }
+
+/// The total pressure is given: fluid that enters has paid `rho U^2/2` for its speed, fluid that
+/// leaves meets the pressure as it is.
+pub struct TotalPressure {
+    name: &'static str,
+    p0: Vec<f64>,
+    /// Number of inner faces of the mesh.
+    n_inner: usize,
+    /// Whether `p0` is of p and the field is p_rgh, which lacks the weight.
+    weighs: bool,
+}
+impl TotalPressure {
+    /// Of the field itself (`totalPressure`), Pa: one for the patch or one per face.
+    pub fn new(p0: Vec<f64>, n_inner: usize) -> Self {
+        TotalPressure { name: "totalPressure", p0, n_inner, weighs: false }
+    }
+    /// Of p, where the field is p_rgh (`prghTotalPressure`).
+    pub fn with_weight(p0: Vec<f64>, n_inner: usize) -> Self {
+        TotalPressure { name: "prghTotalPressure", p0, n_inner, weighs: true }
+    }
+}
+impl Condition<f64> for TotalPressure {
+    fn name(&self) -> &'static str {
+        self.name
+    }
+    fn update(&mut self, view: &PatchView<'_, f64>, closure: &mut PatchClosure<'_, f64>) {
+        closure.fix(0.0);
+        let first = view.first_boundary(self.n_inner);
+        let (g, dynamic) = (view.around.gravity, view.around.dynamic_pressure);
+        for (i, o) in closure.offset.iter_mut().enumerate() {
+            *o = pick(&self.p0, i);
+            if view.flux.is_some_and(|flux| flux[i] < 0.0) {
+                *o -= dynamic.get(first + i).copied().unwrap_or(0.0);
+            }
+            if self.weighs {
+                let rho = view.around.density.get(view.owner[i] as usize).copied().unwrap_or(0.0);
+                *o -= rho * dot(g, view.centre[i]);
+            }
+        }
+    }
+    fn fixes_value(&self) -> bool {
+        true
+    }
+    fn entries(&self) -> Vec<(String, String)> {
+        vec![("p0".into(), field_text(&self.p0))]
+    }
+}

@@ -2,8 +2,9 @@
 //! `granflow list conditions` and the book.
 
 use super::{
-    Condition, FixedFluxPressure, FixedGradient, FixedValue, InletOutlet, LocalFluidity,
-    OfPatchType, PrghPressure, RotatingWall, Slip, TimeTable, UniformFixedValue, ZeroGradient,
+    Condition, ConstantAlphaContactAngle, ContactLimit, FixedFluxPressure, FixedGradient,
+    FixedValue, InletOutlet, LocalFluidity, OfPatchType, PressureInletOutletVelocity, PrghPressure,
+    RotatingWall, Slip, TimeTable, TotalPressure, UniformFixedValue, ZeroGradient,
 };
 use granflow_base::{Dims, Value, Vec3, norm, unit};
 use granflow_dict::{FieldValue, Reader};
@@ -88,6 +89,42 @@ fn fixed_flux_pressure(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Conditio
     }
     Box::new(FixedFluxPressure::new(c.n_inner))
 }
+fn total_pressure(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
+    leave_value(r);
+    constant_of_total_pressure(r);
+    Box::new(TotalPressure::new(values(r, "p0", c.n_faces), c.n_inner))
+}
+fn prgh_total_pressure(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
+    leave_value(r);
+    constant_of_total_pressure(r);
+    Box::new(TotalPressure::with_weight(values(r, "p0", c.n_faces), c.n_inner))
+}
+/// Names of fields, which are what they are called here, and what only gases have.
+fn constant_of_total_pressure(r: &Reader<'_>) {
+    for key in ["U", "phi", "rho", "psi", "gamma"] {
+        r.ignore(key);
+    }
+}
+fn contact_angle(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
+    leave_value(r);
+    r.ignore("gradient");
+    let theta0 = r.in_range("theta0", Dims::NONE, 0.0..=180.0);
+    let limit = r.one_of("limit", &ContactLimit::ALL);
+    Box::new(ConstantAlphaContactAngle { theta0, limit, n_inner: c.n_inner })
+}
+fn pressure_inlet_outlet(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    leave_value(r);
+    r.ignore("phi");
+    if r.has("tangentialVelocity") {
+        r.error_at_key(
+            "tangentialVelocity",
+            "a tangential velocity is not supported",
+            "set here",
+            None,
+        );
+    }
+    Box::new(PressureInletOutletVelocity)
+}
 fn local_fluidity(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
     leave_value(r);
     Box::new(LocalFluidity)
@@ -166,11 +203,41 @@ pub const ALL: &[Entry] = &[
         vector: None,
     },
     Entry {
+        name: "totalPressure",
+        summary: "the pressure less rho U^2/2 where the flow enters, as it is where it leaves",
+        reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, 1967, ch. 3.5",
+        scalar: Some(total_pressure),
+        vector: None,
+    },
+    Entry {
+        name: "prghTotalPressure",
+        summary: "totalPressure of p where the field is p_rgh = p - rho G.x",
+        reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, 1967, ch. 3.5",
+        scalar: Some(prgh_total_pressure),
+        vector: None,
+    },
+    Entry {
+        name: "constantAlphaContactAngle",
+        summary: "of a volume fraction: the interface meets the wall at the angle theta0 (degrees, \
+                  through the first fluid)",
+        reference: "J. U. Brackbill, D. B. Kothe, C. Zemach, J. Comput. Phys. 100 (1992) 335",
+        scalar: Some(contact_angle),
+        vector: None,
+    },
+    Entry {
         name: "localFluidity",
         summary: "of the fluidity: a wall where grains flow as the local law says, g = g_loc",
         reference: "D. L. Henann, K. Kamrin, PNAS 110 (2013) 6730, supporting information",
         scalar: Some(local_fluidity),
         vector: None,
+    },
+    Entry {
+        name: "pressureInletOutletVelocity",
+        summary: "where the pressure is given: free where the flow leaves, along the normal where it \
+                  enters",
+        reference: "OpenFOAM user guide, boundary conditions",
+        scalar: None,
+        vector: Some(pressure_inlet_outlet),
     },
     Entry {
         name: "noSlip",

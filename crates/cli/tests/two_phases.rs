@@ -1,0 +1,66 @@
+//! Cases with two phases through the command: fields are set, restarts and threads change no bit.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
+
+mod common;
+
+use common::{Case, dam, text};
+use granflow_case::{Event, Notices, Options, Run};
+use granflow_dict::Sink;
+
+fn ran(case: &Case, args: &[&str]) {
+    let run = case.run(args);
+    assert!(run.status.success(), "{}", text(&run.stderr));
+}
+
+#[test]
+fn fields_are_set_and_written() {
+    let case = dam();
+    ran(&case, &["init"]);
+    let alpha = case.read("0/alpha.water");
+    assert!(alpha.contains("nonuniform List<scalar>"), "{alpha}");
+    // 16 cells over 5 widths, 8 over 2.5: the column covers 3 x 6 of their centres.
+    let inside = alpha.split("boundaryField").next().unwrap();
+    let ones = inside.lines().filter(|l| *l == "1").count();
+    assert_eq!(ones, 18, "{alpha}");
+    ran(&case, &["run"]);
+    assert_eq!(case.read("0/alpha.water"), alpha, "what is set stays");
+    let p = case.read("0.02/p");
+    assert!(p.contains("[1 -1 -2 0 0 0 0]"), "{p}");
+}
+
+#[test]
+fn a_restart_repeats_the_run_to_the_bit() {
+    for application in ["interFoam", "interIsoFoam"] {
+        let files = ["0.02/U", "0.02/p_rgh", "0.02/alpha.water", "0.02/phi", "0.02/uniform/time"];
+        let case = || dam().edit("system/controlDict", "interFoam", application);
+        let whole = case();
+        ran(&whole, &["run", "-j", "1"]);
+        let halves = case();
+        ran(&halves, &["run", "-j", "1", "--until", "0.01"]);
+        ran(&halves, &["run", "-j", "3", "--share", "1"]);
+        for file in files {
+            assert_eq!(whole.read(file), halves.read(file), "{application}: {file}");
+        }
+    }
+}
+
+#[test]
+fn ranks_agree_with_one() {
+    let run = |ranks: usize| {
+        let case =
+            dam().edit("system/fvSolution", "tolerance       1e-8;", "tolerance       1e-12;");
+        ran(&case, &["init"]);
+        let options = Options { ranks, ..Options::default() };
+        let mut run =
+            Run::load(case.path(), &options, &Sink::new(), &Notices::new()).expect("a sound case");
+        while !matches!(run.advance().expect("a step"), Event::Done(_)) {}
+        let alpha = case.read("0.02/alpha.water");
+        let cells = alpha.lines().filter_map(|l| l.trim().parse::<f64>().ok()).collect::<Vec<_>>();
+        assert!(cells.len() >= 128);
+        cells
+    };
+    let (one, three) = (run(1), run(3));
+    let apart = one.iter().zip(&three).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(apart < 1e-6, "{apart:e}");
+}

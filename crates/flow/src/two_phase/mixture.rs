@@ -1,0 +1,99 @@
+//! Density and viscosity of the mixture, linear in the volume fraction, and its mass flux.
+
+use crate::{Flow, StepError};
+use granflow_base::dot;
+use granflow_fv::operators;
+use granflow_physics::rheology::FlowView;
+
+impl Flow {
+    /// Density from the volume fraction as it stands, cells and ghosts, into `work.rho`, and what
+    /// acts on the bulk along cyclic directions.
+    pub(crate) fn mix_density(&mut self) {
+        let Flow { exec, state, work: w, fluid, two_phase, gravity, .. } = self;
+        let (Some(two), Some(alpha)) = (two_phase, &state.alpha) else { return };
+        let (rho_1, rho_2) = (fluid.rho, two.rho_2);
+        let a = &alpha.cells.data;
+        exec.for_each(&mut w.rho.data, |first, out| {
+            for (i, rho) in out.iter_mut().enumerate() {
+                let a = a[first + i].clamp(0.0, 1.0);
+                *rho = a * rho_1 + (1.0 - a) * rho_2;
+            }
+        });
+        if gravity.driving != [0.0; 3] {
+            let (rho, g) = (&w.rho.data, gravity.driving);
+            exec.for_each(&mut w.body.data, |first, out| {
+                for (i, force) in out.iter_mut().enumerate() {
+                    *force = g.map(|g| g * rho[first + i]);
+                }
+            });
+        }
+    }
+
+    /// `rho phi = (rho_1 - rho_2) alphaPhi + rho_2 phi`: the density moves as the fraction does.
+    pub(crate) fn mix_mass_flux(&mut self) {
+        let Flow { exec, state, work: w, fluid, two_phase, .. } = self;
+        let Some(two) = two_phase else { return };
+        let (alpha_phi, phi) = (&two.vof.alpha_phi().data, &state.phi.data);
+        let (difference, rho_2) = (fluid.rho - two.rho_2, two.rho_2);
+        exec.for_each(&mut w.rho_phi.data, |first, out| {
+            for (i, m) in out.iter_mut().enumerate() {
+                *m = difference * alpha_phi[first + i] + rho_2 * phi[first + i];
+            }
+        });
+    }
+
+    /// Viscosity of each fluid at the strain rate as it stands, mixed in the cells and linear
+    /// between them.
+    pub(crate) fn mix_viscosity_of_fluids(&mut self, dt: f64) -> Result<(), StepError> {
+        self.pressure_of_mixture();
+        let time = self.state.time;
+        let Flow { exec, mesh, state, work: w, fluid, two_phase, numerics, .. } = self;
+        let (Some(two), Some(alpha)) = (two_phase, &state.alpha) else { return Ok(()) };
+        let n = mesh.n_cells;
+        if !(fluid.rheology.is_constant() && two.rheology_2.is_constant()) {
+            numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
+            let grad_u = &w.grad_u;
+            exec.for_each(&mut w.strain_rate[..n], |first, out| {
+                for (i, rate) in out.iter_mut().enumerate() {
+                    *rate = (2.0 * granflow_base::double_dot_sym(&grad_u[first + i])).sqrt();
+                }
+            });
+        }
+        let view = FlowView {
+            exec,
+            mesh,
+            time,
+            dt,
+            strain_rate: &w.strain_rate,
+            stress: None,
+            pressure: &w.pressure,
+            density: &w.rho.data,
+            flux: &state.phi,
+        };
+        let failed = |source| StepError::Rheology { time, source };
+        fluid.rheology.update(&view, &mut w.eta).map_err(failed)?;
+        two.rheology_2.update(&view, &mut w.eta_new).map_err(failed)?;
+        let (a, eta_2) = (&alpha.cells.data, &w.eta_new.data);
+        exec.for_each(&mut w.eta.data[..n], |first, eta| {
+            for (i, eta) in eta.iter_mut().enumerate() {
+                let a = a[first + i].clamp(0.0, 1.0);
+                *eta = a * *eta + (1.0 - a) * eta_2[first + i];
+            }
+        });
+        mesh.halo.update(exec, &mut w.eta.data);
+        operators::to_faces(exec, mesh, &w.eta.data, &mut w.eta_f);
+        Ok(())
+    }
+
+    /// `p = p_rgh + rho G.x`, Pa, into `work.pressure`.
+    pub(crate) fn pressure_of_mixture(&mut self) {
+        let Flow { exec, mesh, state, work: w, gravity, .. } = self;
+        let (p, rho, g) = (&state.p.cells.data, &w.rho.data, gravity.hydrostatic);
+        exec.for_each(&mut w.pressure[..mesh.n_cells], |first, out| {
+            for (i, total) in out.iter_mut().enumerate() {
+                let c = first + i;
+                *total = p[c] + rho[c] * dot(g, mesh.cell_centre[c]);
+            }
+        });
+    }
+}

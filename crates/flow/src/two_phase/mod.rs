@@ -1,0 +1,118 @@
+//! Two fluids with an interface between them: what a step of one fluid does not have.
+//!
+//! The volume fraction `alpha` of fluid 1 moves with the flux ([`crate::vof`]); the same flux of
+//! fluid 1 moves the density in momentum, `rho phi = (rho_1 - rho_2) alphaPhi + rho_2 phi`, so
+//! that mass and momentum travel together. Gravity and surface tension act on the faces, where the
+//! gradient of `p_rgh` is compact too, and reach the cells together with it (balanced forces: M.
+//! M. Francois et al., J. Comput. Phys. 213 (2006) 141; S. Popinet, J. Comput. Phys. 190 (2003)
+//! 572). So what balances on the faces moves no cell, on any mesh.
+
+mod face_forces;
+mod level;
+mod mixture;
+mod momentum;
+mod prescribed;
+mod pressure;
+mod step;
+mod surface_tension;
+
+pub use prescribed::Prescribed;
+
+use crate::vof::{Corners, Vof, VofReport};
+use face_forces::FaceForces;
+use granflow_base::{Dims, Vec3};
+use granflow_fv::{CellField, FaceField, Unknown};
+use granflow_mesh::{Mesh, PolyMesh};
+use granflow_par::Exec;
+use granflow_physics::Rheology;
+use level::Levels;
+use surface_tension::SurfaceTension;
+
+/// The second fluid, what acts between the two, and how the interface moves.
+pub struct TwoPhase {
+    /// Density of fluid 2, kg/m3.
+    pub rho_2: f64,
+    /// The stress of fluid 2.
+    pub rheology_2: Box<dyn Rheology>,
+    /// Surface tension, N/m.
+    pub sigma: f64,
+    /// Whether velocity and pressure are left as they are (`frozenFlow`).
+    pub frozen: bool,
+    /// The total pressure in the reference cell where no boundary fixes its level, Pa.
+    pub reference_pressure: f64,
+    /// How the volume fraction moves.
+    pub vof: Vof,
+    /// The flow, where it is given (and frozen otherwise).
+    pub prescribed: Option<Prescribed>,
+    pub(crate) work: TwoPhaseWork,
+}
+
+/// Scratch of a step with two fluids.
+pub(crate) struct TwoPhaseWork {
+    pub(crate) alpha_start: Vec<f64>,
+    pub(crate) rho_old: CellField<f64>,
+    pub(crate) forces: FaceForces,
+    pub(crate) levels: Levels,
+    pub(crate) tension: SurfaceTension,
+    /// Flux of the velocity that momentum gives without pressure and forces on faces, m3/s.
+    pub(crate) base: FaceField<f64>,
+    pub(crate) vof: VofReport,
+}
+
+impl TwoPhaseWork {
+    /// Normal gradient of p_rgh at walls that balances weight and surface tension there, over all
+    /// boundary faces, Pa/m.
+    pub(crate) fn wall_gradient(&self) -> &[f64] {
+        &self.forces.wall_gradient
+    }
+}
+
+/// What a [`TwoPhase`] is made of.
+pub struct TwoPhaseParts {
+    /// See [`TwoPhase::rho_2`].
+    pub rho_2: f64,
+    /// See [`TwoPhase::rheology_2`].
+    pub rheology_2: Box<dyn Rheology>,
+    /// See [`TwoPhase::sigma`].
+    pub sigma: f64,
+    /// See [`TwoPhase::frozen`].
+    pub frozen: bool,
+    /// See [`TwoPhase::reference_pressure`].
+    pub reference_pressure: f64,
+    /// See [`TwoPhase::vof`].
+    pub vof: Vof,
+}
+
+impl TwoPhase {
+    /// With the scratch for `mesh`, which was made from `poly` or is a part of it; `p` is the
+    /// pressure, `gravity` what it absorbs.
+    pub fn new(
+        exec: &Exec,
+        poly: &PolyMesh,
+        mesh: &Mesh,
+        p: &Unknown<f64>,
+        gravity: Vec3,
+        parts: TwoPhaseParts,
+    ) -> TwoPhase {
+        let TwoPhaseParts { rho_2, rheology_2, sigma, frozen, reference_pressure, vof } = parts;
+        let work = TwoPhaseWork {
+            alpha_start: vec![0.0; mesh.n_all()],
+            rho_old: CellField::new(mesh, "rho", Dims::DENSITY, 0.0),
+            forces: FaceForces::new(mesh, p),
+            levels: Levels::new(exec, Corners::new(poly, mesh), mesh, gravity),
+            tension: SurfaceTension::new(exec, mesh),
+            base: FaceField::new(mesh, "phiHbyA", Dims::VOLUME_FLUX, 0.0),
+            vof: VofReport::default(),
+        };
+        TwoPhase {
+            rho_2,
+            rheology_2,
+            sigma,
+            frozen,
+            reference_pressure,
+            vof,
+            prescribed: None,
+            work,
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! Momentum of two fluids (paper eq. 8 with a density that moves):
+//!
+//! `d(rho U)/dt + div(rho phi U) - div(eta (grad U + grad U^T)) = faces' forces + rho G'`
+
+use super::TwoPhase;
+use crate::momentum::add_faces;
+use crate::{Flow, StepError};
+use granflow_base::Value;
+use granflow_fv::{Ddt, ddt, div, div_explicit, laplacian, operators, source};
+
+impl Flow {
+    /// Assembles momentum without the forces on faces, with the fields as they stand.
+    pub(crate) fn assemble_two_phase_momentum(&mut self, dt: f64) -> Result<(), StepError> {
+        let Flow { exec, mesh, state, numerics, work: w, two_phase, gravity, .. } = self;
+        let Some(two) = two_phase else { return Ok(()) };
+        let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
+        let u = &state.u;
+        numerics.gradient.of(exec, mesh, u, &mut w.grad_u);
+        operators::transpose_stress_flux(exec, mesh, u, &w.grad_u, &w.eta_f, &mut w.explicit);
+        if leaning {
+            let (grad, limit) = (&w.grad_u, numerics.non_orthogonal);
+            let out = &mut w.scratch_f;
+            operators::non_orthogonal_flux(exec, mesh, u, grad, &w.eta_f, limit, out);
+            add_faces(exec, mesh.n_faces(), 1.0, &w.scratch_f.data, &mut w.explicit.data);
+        }
+        let convection = numerics.convection;
+        let (flux, out) = (&w.rho_phi.data, &mut w.scratch_f);
+        convection.weigh(exec, mesh, u, &w.grad_u, flux, &mut w.weights, out);
+        if convection.corrects(mesh) {
+            add_faces(exec, mesh.n_inner, -1.0, &w.scratch_f.data, &mut w.explicit.data);
+        }
+        let inertia = Ddt {
+            rho: &w.rho,
+            rho_old: &two.work.rho_old,
+            old: &w.u_start,
+            older: &state.u_old,
+            dt,
+            c: [1.0, 1.0, 0.0],
+        };
+        let mut momentum = ddt(inertia) + div(&w.rho_phi, &w.weights)
+            - laplacian(&w.eta_f)
+            - div_explicit(&w.explicit);
+        if gravity.driving != [0.0; 3] {
+            momentum = momentum - source(&w.body);
+        }
+        w.u_eqn.assemble(exec, mesh, u, &momentum)?;
+        Ok(())
+    }
+
+    /// The right-hand side of the momentum predictor: with the forces on faces.
+    pub(crate) fn push_two_phase_momentum(&mut self) {
+        let Flow { exec, mesh, state, numerics, work: w, two_phase, .. } = self;
+        let Some(two) = two_phase else { return };
+        let TwoPhase { work: t, .. } = &mut **two;
+        t.forces.balance(exec, mesh, &state.p, numerics.non_orthogonal);
+        let (b, forces, volume) = (&w.u_eqn.b, &t.forces, &mesh.volume);
+        exec.for_each(&mut w.b, |first, out| {
+            for (i, rhs) in out.iter_mut().enumerate() {
+                let c = first + i;
+                *rhs = b[c].axpy(-volume[c], forces.in_cell(mesh, c));
+            }
+        });
+        crate::momentum::keep_solved(exec, mesh, &mut w.b);
+    }
+}

@@ -1,0 +1,114 @@
+//! One time step of two fluids: interface, mixture, momentum, pressure.
+
+use crate::{Flow, Report, State, StepError};
+use granflow_fv::Surroundings;
+use std::sync::Arc;
+
+impl Flow {
+    /// Makes this a flow of two fluids; the state has their volume fraction.
+    #[must_use]
+    pub fn with_second_fluid(mut self, two: crate::TwoPhase) -> Flow {
+        self.two_phase = Some(Box::new(two));
+        self.refresh_mixture();
+        self.prescribe(self.state.time);
+        self.update_conditions();
+        self
+    }
+
+    /// Density and conditions that follow from the volume fraction in the state.
+    pub(crate) fn refresh_mixture(&mut self) {
+        let Flow { exec, mesh, state, two_phase, .. } = self;
+        let State { alpha, time, .. } = state;
+        let (Some(two), Some(alpha)) = (two_phase, alpha) else { return };
+        let around = Surroundings { time: *time, ..Surroundings::default() };
+        two.work.tension.meet_walls(exec, mesh, alpha, &around);
+        self.mix_density();
+    }
+
+    /// What [`Flow::step`] does with two fluids, with errors as they come.
+    pub(crate) fn advance_two_phases(&mut self, dt: f64) -> Result<Report, StepError> {
+        let starts = self.state.step == 0;
+        self.begin_step(dt);
+        self.refresh_mixture();
+        if let (Some(two), Some(alpha)) = (&mut self.two_phase, &self.state.alpha) {
+            two.work.alpha_start.copy_from_slice(&alpha.cells.data);
+            two.work.rho_old.data.copy_from_slice(&self.work.rho.data);
+        }
+        // In the middle of the step, for second order.
+        self.prescribe(self.state.time - 0.5 * dt);
+        let mut report = Report { time: self.state.time, dt, ..Report::default() };
+        let outer = self.numerics.outer.max(1);
+        for k in 0..outer {
+            self.give_up_if_asked()?;
+            self.move_interface(dt, k > 0)?;
+            report.outer = k + 1;
+            if self.two_phase.as_ref().is_some_and(|t| t.frozen) {
+                break;
+            }
+            self.mix_mass_flux();
+            self.mix_viscosity_of_fluids(dt)?;
+            self.update_face_forces();
+            self.update_conditions();
+            let last = k + 1 == outer;
+            self.assemble_two_phase_momentum(dt)?;
+            if self.numerics.predictor {
+                self.push_two_phase_momentum();
+                let solved = self.predict_velocity(last)?;
+                crate::step::note(&mut report.u, &mut report.iterations[0], solved);
+            }
+            self.update_two_phase_mobility();
+            for i in 0..self.numerics.correctors {
+                let final_one = last && i + 1 == self.numerics.correctors;
+                let settle = starts && k == 0 && i == 0;
+                let solved = self.correct_two_phase(dt, final_one, settle)?;
+                crate::step::note(&mut report.p, &mut report.iterations[1], solved);
+            }
+        }
+        self.prescribe(self.state.time);
+        report.converged = true;
+        report.residuals.u = report.u.map_or(0.0, |(first, _)| first.first);
+        report.residuals.p = self.continuity_residual();
+        report.vof = self.two_phase.as_ref().map(|t| t.work.vof);
+        self.end_step(dt, &mut report)?;
+        Ok(report)
+    }
+
+    /// Moves the volume fraction from where it was at the beginning of the step.
+    fn move_interface(&mut self, dt: f64, again: bool) -> Result<(), StepError> {
+        let Flow { exec, mesh, state, two_phase, .. } = self;
+        let State { alpha, phi, time, .. } = state;
+        let (Some(two), Some(alpha)) = (two_phase, alpha) else { return Ok(()) };
+        if again {
+            alpha.cells.data.copy_from_slice(&two.work.alpha_start);
+        }
+        let t = &mut two.work;
+        let around = Surroundings {
+            time: *time,
+            contact_gradient: &t.tension.contact_gradient,
+            ..Surroundings::default()
+        };
+        t.vof = two
+            .vof
+            .advance(exec, mesh, alpha, phi, dt, &around)
+            .map_err(|source| StepError::Interface { time: *time, source: Arc::new(source) })?;
+        self.refresh_mixture();
+        Ok(())
+    }
+
+    /// Density in the cells, kg/m3.
+    pub fn density(&self) -> &[f64] {
+        &self.work.rho.data
+    }
+
+    /// Greatest Courant number of a step of one second in cells at the interface, with fractions
+    /// from 0.01 to 0.99; 0 with one fluid.
+    pub fn interface_courant_rate(&self) -> f64 {
+        let Some(alpha) = &self.state.alpha else { return 0.0 };
+        let (mesh, phi, a) = (&self.mesh, &self.state.phi.data, &alpha.cells.data);
+        let rate = |c: usize| {
+            0.5 * mesh.faces_of(c).map(|(f, _)| phi[f].abs()).sum::<f64>() / mesh.volume[c]
+        };
+        let mixed = |c: &usize| (0.01..=0.99).contains(&a[*c]);
+        self.exec.max(mesh.n_cells, |r| r.filter(mixed).map(rate).fold(0.0, f64::max))
+    }
+}

@@ -1,0 +1,149 @@
+//! Flows of two fluids built by hand.
+#![allow(dead_code, unreachable_pub)]
+
+use granflow_base::{Dims, Vec3, norm};
+use granflow_flow::vof::{AlgebraicParams, Corners, GeometricParams, Params, Shape, Vof, fill};
+use granflow_flow::*;
+use granflow_fv::conditions::{FixedValue, OfPatchType, Slip, ZeroGradient};
+use granflow_fv::{Condition, Convection, FaceField, Gradient, Unknown};
+use granflow_linsolve::{LinearSolver, SolverSpec, Tolerance, build};
+use granflow_mesh::{Mesh, PatchKind, PolyMesh, shapes};
+use granflow_par::Exec;
+use granflow_physics::rheology::{Local, Newtonian, Rheology};
+use std::sync::Arc;
+
+pub fn solver<T: granflow_base::Value>(name: &str, precond: &str) -> Box<dyn LinearSolver<T>> {
+    let spec =
+        SolverSpec { solver: name.into(), preconditioner: Some(precond.into()), smoother: None };
+    build(&spec).expect("a known solver")
+}
+
+pub fn numerics(correctors: usize) -> Numerics {
+    let tolerance = Tolerance { abs: 1e-12, rel: 0.0, max_iter: 2000 };
+    Numerics {
+        ddt: TimeScheme::Euler,
+        convection: Convection::LinearUpwind,
+        gradient: Gradient::GaussLinear,
+        non_orthogonal: 1.0,
+        outer: 1,
+        correctors,
+        non_orthogonal_correctors: 0,
+        predictor: false,
+        control: ResidualControl::default(),
+        u: Solve { solver: solver("PBiCGStab", "DILU"), tolerance, last: tolerance },
+        p: Solve { solver: solver("PCG", "DIC"), tolerance, last: tolerance },
+        compression: solver("PCG", "DIC"),
+        reference: Some((0, 0.0)),
+        reference_value: 0.0,
+    }
+}
+
+/// What a flow of two fluids is made of; `shape` is filled with fluid 1.
+pub struct Two<'a> {
+    pub poly: &'a PolyMesh,
+    pub gravity: Vec3,
+    pub rho: [f64; 2],
+    pub eta: [f64; 2],
+    pub sigma: f64,
+    pub geometric: bool,
+    pub shape: Shape,
+    pub numerics: Numerics,
+    pub threads: usize,
+}
+
+pub fn water_and_air(poly: &PolyMesh, shape: Shape) -> Two<'_> {
+    Two {
+        poly,
+        gravity: [0.0, -9.81, 0.0],
+        rho: [1000.0, 1.0],
+        eta: [1e-3, 1.48e-5],
+        sigma: 0.0,
+        geometric: false,
+        shape,
+        numerics: numerics(3),
+        threads: 1,
+    }
+}
+
+pub fn wall() -> Box<dyn Condition<Vec3>> {
+    Box::new(FixedValue::uniform([0.0; 3]))
+}
+pub fn slip() -> Box<dyn Condition<Vec3>> {
+    Box::new(Slip)
+}
+
+impl Two<'_> {
+    pub fn flow(self, u: impl Fn(&str) -> Box<dyn Condition<Vec3>>) -> Flow {
+        let m = Arc::new(Mesh::new(self.poly).expect("a sound mesh"));
+        let exec = Exec::new(self.threads, Box::new(granflow_par::Solo)).sharing_from(1);
+        let dictated = |kind: &PatchKind| match kind {
+            PatchKind::Cyclic { .. } => Some("cyclic"),
+            PatchKind::Empty => Some("empty"),
+            _ => None,
+        };
+        fn of<T: granflow_base::Value>(kind: &'static str) -> Box<dyn Condition<T>> {
+            Box::new(OfPatchType { kind, symmetric: false })
+        }
+        let scalar = || -> Vec<Box<dyn Condition<f64>>> {
+            let one = |q: &granflow_mesh::Patch| match dictated(&q.kind) {
+                Some(kind) => of(kind),
+                None => Box::new(ZeroGradient) as Box<dyn Condition<f64>>,
+            };
+            m.patches.iter().map(one).collect()
+        };
+        let vector = m.patches.iter().map(|q| dictated(&q.kind).map_or_else(|| u(&q.name), of));
+        let u = Unknown::new(&m, "U", Dims::VELOCITY, [0.0; 3], vector.collect());
+        let p = Unknown::new(&m, "p_rgh", Dims::PRESSURE, 0.0, scalar());
+        let mut alpha = Unknown::new(&m, "alpha", Dims::NONE, 0.0, scalar());
+        let corners = Corners::new(self.poly, &m);
+        fill(&exec, &m, &corners, &self.shape, &mut alpha.cells.data);
+        m.halo.update(&exec, &mut alpha.cells.data);
+        let params = if self.geometric {
+            Params::Geometric(GeometricParams::default())
+        } else {
+            Params::Algebraic(AlgebraicParams {
+                mules_corr: true,
+                n_alpha_corr: 2,
+                ..AlgebraicParams::default()
+            })
+        };
+        let vof = Vof::new(&exec, self.poly, &m, &params).expect("a method");
+        let newton = |eta| -> Box<dyn Rheology> { Box::new(Local(Box::new(Newtonian { eta }))) };
+        let parts = TwoPhaseParts {
+            rho_2: self.rho[1],
+            rheology_2: newton(self.eta[1]),
+            sigma: self.sigma,
+            frozen: false,
+            reference_pressure: 0.0,
+            vof,
+        };
+        let two = TwoPhase::new(&exec, self.poly, &m, &p, self.gravity, parts);
+        let state = State {
+            time: 0.0,
+            step: 0,
+            u_old: u.cells.data.clone(),
+            u,
+            dt_old: 0.0,
+            p,
+            phi: FaceField::new(&m, "phi", Dims::VOLUME_FLUX, 0.0),
+            phi_old: vec![0.0; m.n_faces()],
+            alpha: Some(alpha),
+        };
+        let fluid = Fluid { rho: self.rho[0], rheology: newton(self.eta[0]) };
+        let gravity = Gravity { hydrostatic: self.gravity, driving: [0.0; 3] };
+        Flow::new(exec, m, state, fluid, gravity, self.numerics).with_second_fluid(two)
+    }
+}
+
+pub fn alpha(flow: &Flow) -> &[f64] {
+    let alpha = flow.state.alpha.as_ref().expect("two fluids");
+    &alpha.cells.data[..flow.mesh.n_cells]
+}
+pub fn fastest(flow: &Flow) -> f64 {
+    let n = flow.mesh.n_cells;
+    flow.state.u.cells.data[..n].iter().map(|u| norm(*u)).fold(0.0, f64::max)
+}
+/// A plane mesh of walls.
+pub fn tank(n: [usize; 2], lo: [f64; 2], hi: [f64; 2]) -> PolyMesh {
+    shapes::plane_mesh(n, lo, hi, [const { PatchKind::Wall }; 4])
+}
