@@ -44,14 +44,44 @@ impl Hope {
     }
 }
 
+/// What a step iterates from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Guess {
+    /// The flow at its beginning.
+    Old,
+    /// Material at rest.
+    Rest,
+}
+
 impl Flow {
+    /// Whether the old flow was a guess only: nothing in the step is explicit.
+    fn may_start_from_rest(&self) -> bool {
+        self.is_coupled() && self.two_phase.is_none() && !self.fluid.rheology.is_constant()
+    }
+
+    /// Puts the guess in place of the old flow, which the time derivative keeps.
+    pub(crate) fn rest(&mut self) {
+        self.state.u.cells.data.fill([0.0; 3]);
+        self.state.phi.data.fill(0.0);
+        self.fluid.rheology.forget();
+        self.update_conditions();
+    }
+
     /// Advances by `dt` seconds.
     ///
     /// # Errors
     /// [`StepError`]; [`Flow::rollback`] then restores the state before the step (which has been
     /// done when it is [`StepError::Interrupted`]).
+    ///
+    /// A step whose iteration loses its way is taken once more, iterating from material at rest in
+    /// place of the old flow, which may be far from anything that this material can do.
     pub fn step(&mut self, dt: f64) -> Result<Report, StepError> {
-        let result = self.advance(dt);
+        let mut result = self.advance(dt, Guess::Old);
+        let lost = matches!(&result, Err(StepError::NotFinite { .. } | StepError::Solve { .. }));
+        if lost && self.may_start_from_rest() {
+            self.rollback();
+            result = self.advance(dt, Guess::Rest);
+        }
         let (time, w) = (self.state.time, &self.work);
         result.map_err(|e| explained(e, time, w.beyond, w.residuals))
     }

@@ -1,7 +1,7 @@
 //! One time step, top to bottom: conditions, then outer iterations of momentum, pressure and
 //! viscosity until the residuals of one and the same state are small, then the report.
 
-use crate::failure::{Hope, is_sound};
+use crate::failure::{Guess, Hope, is_sound};
 use crate::work::Work;
 use crate::{Fluid, Gravity, Numerics, Report, Residuals, State, StepError};
 use granflow_base::norm;
@@ -69,11 +69,14 @@ impl Flow {
     }
 
     /// What [`Flow::step`] does, with errors as they come.
-    pub(crate) fn advance(&mut self, dt: f64) -> Result<Report, StepError> {
+    pub(crate) fn advance(&mut self, dt: f64, guess: Guess) -> Result<Report, StepError> {
         if self.two_phase.is_some() {
             return self.advance_two_phases(dt);
         }
         self.begin_step(dt);
+        if guess == Guess::Rest {
+            self.rest();
+        }
         self.recall_viscosity(dt)?;
         self.work.anderson.reset();
         let constant = self.fluid.rheology.is_constant();

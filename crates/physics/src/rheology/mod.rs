@@ -160,6 +160,8 @@ pub trait Rheology: Send {
     fn begin_step(&mut self) {}
     /// Takes the model's own fields back to where [`Self::begin_step`] found them.
     fn rollback(&mut self) {}
+    /// Drops what the model's own fields hold where that is a guess only, and no history.
+    fn forget(&mut self) {}
     /// The viscosity that belongs to the model's own fields as they are, without solving; returns
     /// false when the model has none and the flow must be asked.
     fn recall(&mut self, _view: &FlowView<'_>, _eta: &mut CellField<f64>) -> bool {

@@ -448,6 +448,12 @@ impl Rheology for Ngf {
     fn rollback(&mut self) {
         self.g.cells.data.copy_from_slice(&self.g_old);
     }
+    fn forget(&mut self) {
+        if self.law.form == Form::Steady {
+            self.g.cells.data.fill(0.0);
+            self.known = false;
+        }
+    }
     fn recall(&mut self, v: &FlowView<'_>, eta: &mut CellField<f64>) -> bool {
         let positive = self.known || self.g.cells.data[..v.mesh.n_cells].iter().all(|g| *g > 0.0);
         let mut everywhere = [if positive { 0.0 } else { 1.0 }];
