@@ -215,6 +215,33 @@ fn any_start_any_speed_any_step() {
     assert!(failed.is_empty());
 }
 
+/// Fields that no flow of grains ever has: a thousand times the wall's speed, across the flow too,
+/// and fluidities of any size. The step converges, and a long one ends where rest ends.
+#[test]
+fn any_field_to_start_from() {
+    let (v, p) = (1e-3, 75.0);
+    let from = |u: [f64; 3], g: Option<f64>, dt: f64| {
+        let mut flow = annular(64, v, p, Form::Steady, |_| 0.0, 150);
+        flow.state.u.cells.data.fill(u);
+        if let (Some(g), Some(field)) = (g, flow.fluid.rheology.field_mut()) {
+            field.data.fill(g);
+        }
+        let report = run(&mut flow, dt, 1);
+        println!("U {u:?} g {g:?} dt {dt}: {} {:?}", report.outer, report.residuals);
+        assert!(report.converged, "{u:?} {g:?} {dt}: {report:?}");
+        flow.state.u.cells.data
+    };
+    let rest = from([0.0; 3], None, 1e6);
+    for u in [[0.0, 1.0, 0.0], [1.0, 1.0, 0.0]] {
+        for g in [None, Some(1e300), Some(1e10), Some(1e-10), Some(1e-300)] {
+            from(u, g, 1.0);
+            let end = from(u, g, 1e6);
+            let apart = (0..64).map(|c| (end[c][1] - rest[c][1]).abs()).fold(0.0, f64::max);
+            assert!(apart < 1e-6 * v, "{u:?} {g:?}: {apart:.1e}");
+        }
+    }
+}
+
 /// The same where gravity drives the flow and friction is given: the chute.
 #[test]
 fn chute_with_any_step() {

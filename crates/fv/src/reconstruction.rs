@@ -48,7 +48,7 @@ impl Reconstruction {
     ) {
         exec.for_each(&mut out[..mesh.n_cells], |first, out| {
             for (i, tau) in out.iter_mut().enumerate() {
-                let (h, t) = self.from_faces(mesh, u, gradient, |f| eta.data[f], first + i);
+                let (h, t) = self.rebuilt(mesh, u, gradient, |f| eta.data[f], first + i);
                 *tau = combined(&h, &t, &shares_of(&h));
             }
         });
@@ -69,7 +69,7 @@ impl Reconstruction {
         let n = mesh.n_cells;
         exec.for_each2(&mut out[..n], &mut shares[..n], |first, out, shares| {
             for (i, strain) in out.iter_mut().enumerate() {
-                let (h, t) = self.from_faces(mesh, u, gradient, |_| 1.0, first + i);
+                let (h, t) = self.rebuilt(mesh, u, gradient, |_| 1.0, first + i);
                 shares[i] = shares_of(&h);
                 *strain = combined(&h, &t, &shares[i]);
             }
@@ -89,7 +89,7 @@ impl Reconstruction {
     ) {
         exec.for_each(&mut out[..mesh.n_cells], |first, out| {
             for (i, strain) in out.iter_mut().enumerate() {
-                let (h, t) = self.from_faces(mesh, u, gradient, |_| 1.0, first + i);
+                let (h, t) = self.rebuilt(mesh, u, gradient, |_| 1.0, first + i);
                 *strain = combined(&h, &t, &shares[first + i]);
             }
         });
@@ -97,7 +97,7 @@ impl Reconstruction {
 
     /// `H` and `T` of cell `c`.
     #[inline]
-    fn from_faces(
+    fn rebuilt(
         &self,
         mesh: &Mesh,
         u: &Unknown<Vec3>,

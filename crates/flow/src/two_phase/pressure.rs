@@ -104,8 +104,7 @@ impl Flow {
                     continue;
                 };
                 let (nb, w) = (nb as usize, mesh.weight[f]);
-                let between = |x: &[Vec3]| dot(x[o].scaled(w).axpy(1.0 - w, x[nb]), mesh.area[f]);
-                *phi = between(h);
+                *phi = dot(h[o].scaled(w).axpy(1.0 - w, h[nb]), mesh.area[f]);
                 if skewed {
                     *phi += dot(operators::skew_part::<Vec3>(mesh, grad_u, f), mesh.area[f]);
                 }
