@@ -1,7 +1,7 @@
 //! The viscosity of an outer iteration: from the flow to the rheology and back.
 
 use crate::{Flow, StepError};
-use granflow_base::dot;
+use granflow_base::{Tensor, dot};
 use granflow_fv::{FaceField, operators};
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
@@ -43,13 +43,7 @@ impl Flow {
             if local {
                 self.local_strain_rate();
             } else {
-                let grad_u = &w.grad_u;
-                exec.for_each(&mut w.strain_rate[..n], |first, out| {
-                    for (i, rate) in out.iter_mut().enumerate() {
-                        let g = &grad_u[first + i];
-                        *rate = (2.0 * granflow_base::double_dot_sym(g)).sqrt();
-                    }
-                });
+                strain_rate_of(exec, &w.grad_u, &mut w.strain_rate[..n]);
             }
         }
         let Flow { exec, mesh, work: w, fluid, state, .. } = self;
@@ -192,6 +186,15 @@ impl Flow {
         mesh.halo.update(exec, &mut w.eta.data);
         viscosity_on_faces(exec, mesh, false, &w.eta.data, &mut w.eta_f);
     }
+}
+
+/// `sqrt(2 D:D)` of velocity gradients, 1/s.
+pub(crate) fn strain_rate_of(exec: &Exec, gradient: &[Tensor], out: &mut [f64]) {
+    exec.for_each(out, |first, out| {
+        for (i, rate) in out.iter_mut().enumerate() {
+            *rate = (2.0 * granflow_base::double_dot_sym(&gradient[first + i])).sqrt();
+        }
+    });
 }
 
 /// Viscosity on faces: between cells the weighted geometric mean, exact where viscosity changes

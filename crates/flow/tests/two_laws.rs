@@ -1,33 +1,12 @@
 //! Two fluids: no allocation after the second step.
 
+#[path = "common/counting.rs"]
+mod counting;
 mod two_common;
 
+use counting::ALLOCATIONS;
 use granflow_flow::vof::Shape;
-use std::alloc::{GlobalAlloc, Layout, System};
-use std::cell::Cell;
 use two_common::*;
-
-thread_local! {
-    /// Allocations of this thread alone: tests run side by side.
-    static ALLOCATIONS: Cell<usize> = const { Cell::new(0) };
-}
-
-struct Counting;
-// SAFETY: forwards to the system allocator unchanged.
-#[allow(unsafe_code)]
-unsafe impl GlobalAlloc for Counting {
-    unsafe fn alloc(&self, l: Layout) -> *mut u8 {
-        let _ = ALLOCATIONS.try_with(|n| n.set(n.get() + 1));
-        // SAFETY: the caller's contract.
-        unsafe { System.alloc(l) }
-    }
-    unsafe fn dealloc(&self, p: *mut u8, l: Layout) {
-        // SAFETY: the caller's contract.
-        unsafe { System.dealloc(p, l) }
-    }
-}
-#[global_allocator]
-static ALLOCATOR: Counting = Counting;
 
 #[test]
 fn no_allocation_after_the_second_step() {
@@ -41,10 +20,10 @@ fn no_allocation_after_the_second_step() {
         for _ in 0..2 {
             flow.step(1e-3).expect("a step");
         }
-        let before = ALLOCATIONS.with(Cell::get);
+        let before = ALLOCATIONS.get();
         for _ in 0..20 {
             flow.step(1e-3).expect("a step");
         }
-        assert_eq!(ALLOCATIONS.with(Cell::get) - before, 0, "geometric {geometric}");
+        assert_eq!(ALLOCATIONS.get() - before, 0, "geometric {geometric}");
     }
 }

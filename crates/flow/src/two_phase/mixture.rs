@@ -1,5 +1,6 @@
 //! Density and viscosity of the mixture, linear in the volume fraction, and its mass flux.
 
+use crate::viscosity::strain_rate_of;
 use crate::{Flow, StepError};
 use granflow_base::dot;
 use granflow_fv::operators;
@@ -52,12 +53,7 @@ impl Flow {
         let n = mesh.n_cells;
         if !(fluid.rheology.is_constant() && two.rheology_2.is_constant()) {
             numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
-            let grad_u = &w.grad_u;
-            exec.for_each(&mut w.strain_rate[..n], |first, out| {
-                for (i, rate) in out.iter_mut().enumerate() {
-                    *rate = (2.0 * granflow_base::double_dot_sym(&grad_u[first + i])).sqrt();
-                }
-            });
+            strain_rate_of(exec, &w.grad_u, &mut w.strain_rate[..n]);
         }
         let view = FlowView {
             exec,
