@@ -357,8 +357,8 @@ impl Flow {
         }
         if w.newton.active {
             let of = (&*du, &gradient[..]);
-            let (at, dp) = ((&w.strain_rate[..], &w.eta_f), &w.p_prime.cells.data);
-            w.newton.add_change_of_viscosity(exec, mesh, &w.reconstruction, of, dp, at, stress);
+            let dp = &w.p_prime;
+            w.newton.add_change_of_viscosity(exec, mesh, &w.reconstruction, of, dp, stress);
         }
         if corrected {
             let (eta, all) = (&w.eta_f, numerics.non_orthogonal);

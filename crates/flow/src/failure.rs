@@ -55,7 +55,7 @@ pub(crate) enum Guess {
 
 impl Flow {
     /// Whether the old flow was a guess only: nothing in the step is explicit.
-    fn may_start_from_rest(&self) -> bool {
+    pub(crate) fn may_start_from_rest(&self) -> bool {
         self.is_coupled() && self.two_phase.is_none() && !self.fluid.rheology.is_constant()
     }
 
@@ -77,13 +77,20 @@ impl Flow {
     /// place of the old flow, which may be far from anything that this material can do.
     pub fn step(&mut self, dt: f64) -> Result<Report, StepError> {
         let mut result = self.advance(dt, Guess::Old);
-        let lost = matches!(&result, Err(StepError::NotFinite { .. } | StepError::Solve { .. }));
+        let lost = matches!(
+            &result,
+            Ok(None) | Err(StepError::NotFinite { .. } | StepError::Solve { .. })
+        );
         if lost && self.may_start_from_rest() {
             self.rollback();
             result = self.advance(dt, Guess::Rest);
         }
         let (time, w) = (self.state.time, &self.work);
-        result.map_err(|e| explained(e, time, w.beyond, w.residuals))
+        match result {
+            Ok(Some(report)) => Ok(report),
+            Ok(None) => Err(StepError::Elsewhere { time }),
+            Err(e) => Err(explained(e, time, w.beyond, w.residuals)),
+        }
     }
 }
 

@@ -68,10 +68,11 @@ impl Flow {
         flow
     }
 
-    /// What [`Flow::step`] does, with errors as they come.
-    pub(crate) fn advance(&mut self, dt: f64, guess: Guess) -> Result<Report, StepError> {
+    /// What [`Flow::step`] does, with errors as they come; nothing where the iteration lost its way
+    /// and another guess is left.
+    pub(crate) fn advance(&mut self, dt: f64, guess: Guess) -> Result<Option<Report>, StepError> {
         if self.two_phase.is_some() {
-            return self.advance_two_phases(dt);
+            return self.advance_two_phases(dt).map(Some);
         }
         self.begin_step(dt);
         if guess == Guess::Rest {
@@ -93,7 +94,7 @@ impl Flow {
             report.residuals.u = report.u.map_or(0.0, |(first, _)| first.first);
             report.residuals.p = self.continuity_residual();
             self.end_step(dt, &mut report)?;
-            return Ok(report);
+            return Ok(Some(report));
         }
         report.coupled = true;
         let mut hope = Hope::default();
@@ -129,11 +130,15 @@ impl Flow {
             let wanted = self.wanted_reduction(settled, &report.residuals);
             self.correct(dt, wanted, k + 1 == outer, &mut report)?;
         }
+        let lost = !report.converged && !is_sound(&report.residuals);
+        if lost && guess == Guess::Old && self.may_start_from_rest() {
+            return Ok(None);
+        }
         if report.residuals.p > self.numerics.control.p {
             self.project_flux(report.residuals.p)?;
         }
         self.end_step(dt, &mut report)?;
-        Ok(report)
+        Ok(Some(report))
     }
 
     /// Evaluates the rheology at the flow as it stands, assembles momentum with what comes out,

@@ -64,6 +64,9 @@ impl Flow {
                 .update(&view, &mut w.eta)
                 .map_err(|source| StepError::Rheology { time, source })?;
         }
+        if self.has_newton() {
+            self.evaluate_law_on_faces();
+        }
         self.spread_viscosity();
         Ok(())
     }
@@ -99,9 +102,10 @@ impl Flow {
             .rheology
             .update(&view, &mut w.eta_new)
             .map_err(|source| StepError::Rheology { time, source })?;
-        if fluid.rheology.is_local() && !fluid.rheology.is_constant() {
-            fluid.rheology.slopes(&view, &mut w.newton.rate_slope, &mut w.newton.pressure_slope);
+        if self.has_newton() {
+            self.evaluate_law_on_faces();
         }
+        let Flow { exec, work: w, .. } = self;
         let eta_new = &w.eta_new.data;
         exec.for_each(&mut w.g_of_y, |first, y| {
             y.iter_mut().enumerate().for_each(|(i, y)| *y = eta_new[first + i].max(LEAST).ln());
@@ -128,17 +132,26 @@ impl Flow {
     /// Takes `eta_new` in cells and on faces, but leaves the logarithms where the pass began.
     pub(crate) fn try_viscosity(&mut self) {
         let n = self.mesh.n_cells;
+        self.work.eta.data[..n].copy_from_slice(&self.work.eta_new.data[..n]);
+        self.viscosity_to_faces();
+    }
+
+    /// Ghosts and faces of `eta`.
+    fn viscosity_to_faces(&mut self) {
+        let (newton, constant) = (self.has_newton(), self.fluid.rheology.is_constant());
         let Flow { exec, mesh, work: w, .. } = self;
-        w.eta.data[..n].copy_from_slice(&w.eta_new.data[..n]);
         mesh.halo.update(exec, &mut w.eta.data);
-        viscosity_on_faces(exec, mesh, false, &w.eta.data, &mut w.eta_f);
+        if newton {
+            w.eta_f.data.copy_from_slice(&w.newton.eta);
+        } else {
+            viscosity_on_faces(exec, mesh, constant, &w.eta.data, &mut w.eta_f);
+        }
     }
 
     /// Ghosts, faces and logarithms of `eta`.
     pub(crate) fn spread_viscosity(&mut self) {
-        let Flow { exec, mesh, work: w, fluid, .. } = self;
-        mesh.halo.update(exec, &mut w.eta.data);
-        viscosity_on_faces(exec, mesh, fluid.rheology.is_constant(), &w.eta.data, &mut w.eta_f);
+        self.viscosity_to_faces();
+        let Flow { exec, work: w, .. } = self;
         let eta = &w.eta.data;
         exec.for_each(&mut w.y, |first, y| {
             y.iter_mut().enumerate().for_each(|(i, y)| *y = eta[first + i].max(LEAST).ln());
@@ -182,9 +195,7 @@ impl Flow {
         self.exec.for_each(&mut w.eta.data[..n], |first, eta| {
             eta.iter_mut().enumerate().for_each(|(i, e)| *e = y[first + i].exp());
         });
-        let Flow { exec, mesh, work: w, .. } = self;
-        mesh.halo.update(exec, &mut w.eta.data);
-        viscosity_on_faces(exec, mesh, false, &w.eta.data, &mut w.eta_f);
+        self.viscosity_to_faces();
     }
 }
 

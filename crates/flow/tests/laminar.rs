@@ -139,9 +139,10 @@ fn plane_poiseuille_by_piso() {
     assert!(e < 1.1e-3, "{e:.2e}");
 }
 
-/// Errors against the analytic profile on 20, 40 and 80 cells. They are greatest beside the yield
-/// surface, where the viscosity grows without bound and a geometric mean between cells is more than
-/// that of the face; far from it the profile is of second order.
+/// Errors against the analytic profile on 20, 40 and 80 cells. A face beside the yield surface sees
+/// a tenth of the rates of its neighbours, one of which does not yield: the plug is then a little
+/// slow, by an amount that falls with the first power of the cell where the rate rises steeply
+/// (n > 1).
 fn yielding(what: &str, exact: impl Fn(f64) -> f64, law: impl Fn() -> Box<dyn Rheology>) {
     let mut errors = Vec::new();
     for n in [20, 40, 80] {
@@ -157,20 +158,17 @@ fn yielding(what: &str, exact: impl Fn(f64) -> f64, law: impl Fn() -> Box<dyn Rh
         errors.push(e);
     }
     println!("{what}: orders {:?}", orders(&errors));
-    assert!(errors[2] < 6e-3, "{what}: {errors:?}");
-    assert!((errors[0] / errors[2]).log(4.0) > 1.3, "{what}: {errors:?}");
+    assert!(errors[1] < 1e-2 && errors[2] < 3e-3, "{what}: {errors:?}");
+    assert!((errors[0] / errors[2]).log(4.0) > 1.1, "{what}: {errors:?}");
 }
 
 /// Laws with a yield on meshes of several cells along the flow, where the columns are free to
-/// differ: any step converges, and all columns are the same. (Ten columns of cells ten times as
-/// high as long in one endless step from rest are the exception: the linear problem of Newton's
-/// method is not solved there, and the step says that it did not converge.)
+/// differ: any step converges, and all columns are the same. (In one endless step from rest ten
+/// columns of cells ten times as high as long do not: the linear problem is not solved well enough.)
 fn columns_agree(what: &str, driving: Vec3, gravity: Vec3, law: impl Fn() -> Box<dyn Rheology>) {
     for columns in [2, 5, 10] {
-        for dt in [1e-3, 1.0, LONG] {
-            if columns == 10 && dt == LONG {
-                continue;
-            }
+        let steps = if columns < 10 { &[1e-3, 1.0, LONG][..] } else { &[1e-3, 1.0] };
+        for &dt in steps {
             let h = 1.0 / 40.0;
             let kinds = shapes::periodic_kinds([true, false, true], PatchKind::Wall);
             let size = [h, 1.0, h];

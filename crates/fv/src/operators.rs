@@ -183,3 +183,26 @@ pub fn transpose_derivative(mesh: &Mesh, gradient: &[Tensor], f: usize, dudn: Ve
     let jump = dot(dudn.minus(Vec3::along(at_face, n)), n);
     granflow_base::apply(&at_face, n).axpy(jump, n)
 }
+
+/// The gradient on face `f`, `G_ij = d_i U_j`: interpolated cell gradients whose normal part is
+/// the compact normal derivative, corrected for non-orthogonality where `corrected`.
+#[inline]
+pub fn face_gradient(
+    mesh: &Mesh,
+    u: &Unknown<Vec3>,
+    gradient: &[Tensor],
+    corrected: bool,
+    f: usize,
+) -> Tensor {
+    let dudn = normal_derivative(mesh, u, corrected.then_some(gradient), f);
+    let o = mesh.owner[f] as usize;
+    let at_face = match mesh.neighbour.get(f) {
+        Some(&n) => {
+            let w = mesh.weight[f];
+            gradient[o].scaled(w).axpy(1.0 - w, gradient[n as usize])
+        }
+        None => gradient[o],
+    };
+    let n = scale(mesh.area[f], 1.0 / mesh.mag_area[f]);
+    at_face.plus(Vec3::dyad(n, dudn.minus(Vec3::along(at_face, n))))
+}

@@ -46,6 +46,24 @@ pub struct Point {
 /// Relative step of the central differences of a law: their error is its square.
 const DIFFERENCE: f64 = 1e-4;
 
+/// Many points of a flow of one density.
+pub struct Points<'a> {
+    /// `sqrt(2 D:D)`, 1/s.
+    pub strain_rate: &'a [f64],
+    /// Pressure between grains, Pa.
+    pub pressure: &'a [f64],
+    /// Density, kg/m3.
+    pub density: f64,
+}
+
+/// What a local law has at many points.
+pub struct LawValues<'a> {
+    /// Dynamic viscosity, Pa s.
+    pub viscosity: &'a mut [f64],
+    /// As [`LocalLaw::slopes`].
+    pub slopes: &'a mut [[f64; 2]],
+}
+
 /// A law that needs nothing but the point.
 pub trait LocalLaw: Send + Sync {
     /// Dynamic viscosity, Pa s; finite and positive for any strain rate, zero included.
@@ -167,10 +185,13 @@ pub trait Rheology: Send {
     fn recall(&mut self, _view: &FlowView<'_>, _eta: &mut CellField<f64>) -> bool {
         false
     }
-    /// For a model that [is local](Self::is_local), the slopes of its viscosity's logarithm in the
-    /// cells: `d ln(eta)/d ln(rate)` and `d ln(eta)/dP` (1/Pa).
-    fn slopes(&self, _view: &FlowView<'_>, _rate: &mut [f64], _pressure: &mut [f64]) {}
-    /// Whether the viscosity of a cell depends on nothing but its strain rate and pressure.
+    /// For a model whose viscosity depends on nothing but the strain rate and the pressure of the
+    /// place: that viscosity at any points, faces for example, with the slopes of its logarithm.
+    /// False for other models.
+    fn at_points(&self, _exec: &Exec, _points: &Points<'_>, _out: LawValues<'_>) -> bool {
+        false
+    }
+    /// Whether [`Self::at_points`] knows.
     fn is_local(&self) -> bool {
         false
     }
@@ -217,13 +238,19 @@ impl<L: LocalLaw + ?Sized> Rheology for Local<L> {
         let beyond = self.0.grains().and_then(|g| beyond::beyond(v, &g));
         Ok(RheologyInfo { beyond, ..RheologyInfo::default() })
     }
-    fn slopes(&self, v: &FlowView<'_>, rate: &mut [f64], pressure: &mut [f64]) {
-        let n = v.mesh.n_cells;
-        v.exec.for_each2(&mut rate[..n], &mut pressure[..n], |first, rate, pressure| {
-            for i in 0..rate.len() {
-                [rate[i], pressure[i]] = self.0.slopes(v.point(first + i));
+    fn at_points(&self, exec: &Exec, points: &Points<'_>, out: LawValues<'_>) -> bool {
+        let LawValues { viscosity, slopes } = out;
+        exec.for_each2(viscosity, slopes, |first, viscosity, slopes| {
+            for i in 0..viscosity.len() {
+                let at = Point {
+                    strain_rate: points.strain_rate[first + i],
+                    pressure: points.pressure[first + i],
+                    density: points.density,
+                };
+                (viscosity[i], slopes[i]) = (self.0.viscosity(at), self.0.slopes(at));
             }
         });
+        true
     }
     fn is_local(&self) -> bool {
         true
