@@ -8,6 +8,10 @@ use granflow_dict::{Diag, Format, Header, Reader, Severity, Sink, Span, Writer, 
 use granflow_mesh::PolyMesh;
 use std::path::Path;
 
+/// What transport may leave a volume fraction beyond its bounds, with room for files of other
+/// programs.
+const ALPHA_ROUNDING: f64 = 1e-3;
+
 /// A state on the whole mesh, in the user's numbering and the units of the files.
 #[derive(Clone)]
 pub struct WholeState {
@@ -84,7 +88,17 @@ impl WholeState {
                 alpha = read_vol::<f64>(root, dir, &original, &none, poly, sink)?;
             }
             match &mut alpha {
-                Some(field) => field.name = name,
+                Some(field) => {
+                    let beyond = |a: &f64| !(-ALPHA_ROUNDING..=1.0 + ALPHA_ROUNDING).contains(a);
+                    if let Some(cell) = field.cells.iter().position(beyond) {
+                        let path = root.join(dir).join(&name).display().to_string();
+                        let value = field.cells[cell];
+                        let message =
+                            format!("the volume fraction is {value} in cell {cell}, not 0 to 1");
+                        sink.push(Diag::file(path, &message));
+                    }
+                    field.name = name;
+                }
                 None => missing(&name, "two phases need the volume fraction of the first one"),
             }
         }

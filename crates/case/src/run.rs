@@ -17,6 +17,9 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+/// Of a time step: less than that is rounding of the clock.
+const SLIVER: f64 = 1e-6;
+
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum End {
@@ -186,7 +189,9 @@ impl Run {
         }
         let (before, wall) = (self.time(), self.clock.seconds());
         let dt = self.next_dt()?;
-        if before > self.case.end - 0.5 * dt {
+        // A step fitted to the end may be all that rounding of the clock has left of it.
+        let left = self.case.end - before;
+        if left < 0.5 * dt || left < SLIVER * self.dt {
             return self.over();
         }
         let report = match self.crew.worker.order(Order::Step(dt)) {

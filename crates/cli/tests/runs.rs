@@ -247,6 +247,19 @@ fn a_signal_ends_a_step_that_would_never_end() {
 }
 
 #[test]
+fn rounding_of_the_clock_is_no_step() {
+    // Ten steps of 0.05 s add up to a little less than 0.5 s.
+    let case = cavity()
+        .edit("system/controlDict", "endTime         0.1;", "endTime 0.5;")
+        .edit("system/controlDict", "deltaT          0.005;", "deltaT 0.05;")
+        .edit("system/controlDict", "writeControl    timeStep;", "writeControl adjustableRunTime;");
+    let out = case.run(&["run"]);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    let steps = case.read("log.jsonl").matches("\"step\":").count();
+    assert_eq!(steps, 10);
+}
+
+#[test]
 fn one_run_a_case_at_a_time() {
     let case = cavity().edit("system/controlDict", "endTime         0.1;", "endTime 1e9;");
     let (mut child, _lines) = start(&case, "step 1 ");

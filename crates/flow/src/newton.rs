@@ -166,7 +166,11 @@ impl Flow {
             share *= 0.5;
             self.back_towards_start(0.5, dt);
         }
-        self.back_towards_start(0.0, dt);
+        let Flow { state, work: w, .. } = self;
+        state.u.cells.data.copy_from_slice(&w.newton.u);
+        state.p.cells.data.copy_from_slice(&w.newton.p);
+        self.update_conditions();
+        self.interpolate_flux_of_state(dt);
         self.work.newton.refused = true;
         Ok(solved)
     }

@@ -100,7 +100,7 @@ impl Transport {
             r.error_at_key("phases", message, "two names", Some(help));
             return Transport::water();
         };
-        let sigma = r.opt_non_negative("sigma", SURFACE_TENSION, 0.0);
+        let sigma = r.non_negative("sigma", SURFACE_TENSION);
         let phase = |name: &str| {
             let Some(sub) = r.sub(name) else { return Transport::water() };
             let mut dict = sub.dict().clone();
