@@ -3,8 +3,11 @@
 #![allow(clippy::print_stdout, reason = "tests print what they measured")]
 
 mod common;
+#[path = "common/counting.rs"]
+mod counting;
 
 use common::*;
+use counting::ALLOCATIONS;
 use granflow_base::Vec3;
 use granflow_flow::{Flow, Report, ResidualControl};
 use granflow_fv::Condition;
@@ -226,9 +229,24 @@ fn heap_between_walls() {
     }
 }
 
-/// Walls with friction: the same bits for any number of threads, and nothing allocated, are
-/// guarded by the laws that hold for all conditions; this is their own: residuals of the state,
-/// measured anew, are those of the step.
+/// Steps that slide, turn round and stick allocate nothing.
+#[test]
+fn no_allocation_after_the_second_step() {
+    let wall = coulomb(0.5, [0.0; 3]);
+    let mut flow = channel(1.0, newtonian(), [&wall, &wall]);
+    converged(&mut flow, 1.0, 2);
+    let before = ALLOCATIONS.get();
+    for scale in [1.0, -1.0, 0.0, -20.0, 1.0] {
+        for u in &mut flow.state.u.cells.data {
+            *u = granflow_base::scale(*u, scale);
+        }
+        converged(&mut flow, 10.0, 1);
+    }
+    assert_eq!(ALLOCATIONS.get() - before, 0);
+}
+
+/// Residuals measured anew, without inertia, are those of the step; and a velocity that is not in
+/// balance with the walls does not pass.
 #[test]
 fn residuals_of_a_heap_are_its_own() {
     let (mut flow, report) = heap(1, 1e30, ResidualControl::default());
