@@ -128,6 +128,7 @@ bad! {
     missing_alpha: dam().rename("0.orig/alpha.water", "0.orig/alpha.wather");
     contact_angle_out_of_range: dam().edit("0.orig/alpha.water", "walls       { type zeroGradient; }", "walls { type constantAlphaContactAngle; theta0 190; limit gradiant; }");
     time_table_of_words: ring().edit("0.orig/U", "omega   0.2;", "omega   table ((0 fast) (1));");
+    friction_without_a_wall: cavity().edit("0/U", "noSlip;", "coulombFriction; mu -0.3; wallvelocity (0 0 0);");
     axis_without_direction: ring().edit("0.orig/U", "axis    (0 0 1);", "axis    (0 0 0);");
     p_with_gravity: cavity().write("constant/g", "dimensions [0 1 -2 0 0 0 0]; value (0 -9.81 0);");
     gravity_across_the_wedge: ring()

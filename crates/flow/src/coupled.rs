@@ -144,6 +144,7 @@ impl Flow {
         reduction: f64,
     ) -> Result<[Solved; 2], StepError> {
         self.work.coupled.reserve(&self.mesh);
+        self.work.friction.remember(&self.mesh, &self.state.u);
         self.update_mobility(dt);
         self.interpolate_flux_of_state(dt);
         self.prepare_preconditioner()?;
@@ -331,7 +332,7 @@ impl Flow {
     /// `basis[j + 1] = A directions[j]`, momentum and continuity.
     fn apply_operator(&mut self, j: usize, scales: Scales) {
         let deferred = self.defers_convection();
-        let Flow { exec, mesh, numerics, work: w, fluid, .. } = self;
+        let Flow { exec, mesh, state, numerics, work: w, fluid, .. } = self;
         let n = mesh.n_cells;
         let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
         let Coupled { basis, directions, du, gradient, stress, flux, .. } = &mut w.coupled;
@@ -384,6 +385,8 @@ impl Flow {
                 t.iter_mut().enumerate().for_each(|(i, t)| *t = t.minus(extra[first + i]));
             });
         }
+        w.friction.keep_normal(exec, mesh, &state.u, stress);
+        w.friction.add_change(exec, mesh, &state.u, (&z.u, &w.p_prime), stress);
         numerics.gradient.of(exec, mesh, &w.p_prime, &mut w.grad_p);
         w.u_eqn.a.apply(exec, &mut z.u, &mut out.u);
         let of = Interpolated {

@@ -4,6 +4,7 @@
 mod anderson;
 mod coupled;
 mod failure;
+mod friction;
 mod interpolation;
 mod interrupt;
 mod krylov;

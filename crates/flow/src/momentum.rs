@@ -118,6 +118,7 @@ impl Flow {
         if corrects || deferred {
             add_faces(exec, mesh.n_inner, -1.0, &w.scratch_f.data, &mut w.explicit.data);
         }
+        w.friction.keep_normal(exec, mesh, &state.u, &mut w.explicit);
     }
 
     /// Residual of momentum with the matrix as assembled: force imbalance over force. What the

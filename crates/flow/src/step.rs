@@ -46,7 +46,8 @@ impl Flow {
         numerics: Numerics,
     ) -> Self {
         let local = fluid.rheology.is_local() && !fluid.rheology.is_constant();
-        let work = Work::new(&exec, &mesh, (fluid.rho, local), gravity.driving, &state.p);
+        let work =
+            Work::new(&exec, &mesh, (fluid.rho, local), gravity.driving, (&state.u, &state.p));
         let fixed = [if state.p.fixes_level(&mesh) { 1.0 } else { 0.0 }];
         let mut any = fixed;
         exec.comm().max(&mut any);
@@ -201,6 +202,7 @@ impl Flow {
         w.phi_start.copy_from_slice(&state.phi.data);
         w.clock_start = (state.time, state.step);
         fluid.rheology.begin_step();
+        w.friction.forget();
         self.update_conditions();
         let measured = self.measured_without_inertia(FOREVER);
         self.rollback();
@@ -260,6 +262,7 @@ impl Flow {
     }
 
     pub(crate) fn begin_step(&mut self, dt: f64) {
+        self.work.friction.forget();
         self.remember_flux(dt);
         let Flow { state, work: w, fluid, .. } = self;
         w.u_start.copy_from_slice(&state.u.cells.data);
@@ -388,7 +391,6 @@ impl Flow {
     /// [`StepError`] when the rheology gives no viscosity.
     pub fn derived(&mut self) -> Result<Derived<'_>, StepError> {
         self.update_conditions();
-        self.numerics.gradient.of(&self.exec, &self.mesh, &self.state.u, &mut self.work.grad_u);
         if self.two_phase.is_some() {
             self.mix_viscosity_of_fluids(self.state.dt_old.max(f64::MIN_POSITIVE))?;
         } else if self.work.fresh {
@@ -396,6 +398,7 @@ impl Flow {
         } else {
             self.recall_viscosity(self.state.dt_old.max(f64::MIN_POSITIVE))?;
         }
+        self.numerics.gradient.of(&self.exec, &self.mesh, &self.state.u, &mut self.work.grad_u);
         self.strain_rate_of_state();
         let Flow { mesh, work: w, .. } = self;
         Ok(Derived {

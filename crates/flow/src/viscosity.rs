@@ -146,6 +146,8 @@ impl Flow {
         } else {
             viscosity_on_faces(exec, mesh, constant, &w.eta.data, &mut w.eta_f);
         }
+        self.press_faces();
+        self.viscosity_meets_walls();
     }
 
     /// Ghosts, faces and logarithms of `eta`.
@@ -196,6 +198,30 @@ impl Flow {
             eta.iter_mut().enumerate().for_each(|(i, e)| *e = y[first + i].exp());
         });
         self.viscosity_to_faces();
+    }
+
+    /// Where `eta = P/g` with a fluidity of its own, faces have the linear mean of P over the
+    /// geometric mean of g: both exact where the weight of grains makes P and creep makes g. The
+    /// geometric mean of eta alone lacks 13 % on the face below a free surface, where P is zero.
+    fn press_faces(&mut self) {
+        let Flow { exec, mesh, work: w, fluid, .. } = self;
+        let nonlocal = !fluid.rheology.is_local();
+        let Some(loose) = fluid.rheology.grains().filter(|_| nonlocal).map(|g| g.loose()) else {
+            return;
+        };
+        mesh.halo.update(exec, &mut w.pressure);
+        let pressure = &w.pressure;
+        exec.for_each(&mut w.eta_f.data[..mesh.n_inner], |first, eta| {
+            for (i, eta) in eta.iter_mut().enumerate() {
+                let f = first + i;
+                let [o, n] = [mesh.owner[f], mesh.neighbour[f]];
+                let r = pressure[n as usize].max(loose) / pressure[o as usize].max(loose);
+                if r != 1.0 {
+                    let w = mesh.weight[f];
+                    *eta *= (w + (1.0 - w) * r) / r.powf(1.0 - w);
+                }
+            }
+        });
     }
 }
 

@@ -1,6 +1,7 @@
 //! Scratch of a step: allocated once, and any of it may be garbage between steps.
 
 use crate::coupled::Coupled;
+use crate::friction::Friction;
 use crate::newton::Newton;
 use crate::{Anderson, Residuals, SolveCount};
 use granflow_base::{Dims, Tensor, Vec3};
@@ -70,6 +71,7 @@ pub(crate) struct Work {
     pub(crate) force: f64,
     pub(crate) coupled: Coupled,
     pub(crate) newton: Newton,
+    pub(crate) friction: Friction,
     pub(crate) patience: crate::step::Patience,
 }
 
@@ -79,7 +81,7 @@ impl Work {
         m: &Mesh,
         (rho, local): (f64, bool),
         driving: Vec3,
-        p: &Unknown<f64>,
+        (u, p): (&Unknown<Vec3>, &Unknown<f64>),
     ) -> Self {
         let cells = m.n_cells + m.n_ghosts;
         let mobility = Dims::TIME.div(Dims::DENSITY);
@@ -135,6 +137,7 @@ impl Work {
             force: 0.0,
             coupled: Coupled::new(exec, m),
             newton: Newton::new(m, local),
+            friction: Friction::new(m, u),
             patience: crate::step::Patience::default(),
         }
     }

@@ -29,6 +29,7 @@ impl Flow {
         if convection.corrects(mesh) {
             add_faces(exec, mesh.n_inner, -1.0, &w.scratch_f.data, &mut w.explicit.data);
         }
+        w.friction.keep_normal(exec, mesh, &state.u, &mut w.explicit);
         let inertia = Ddt {
             rho: &w.rho,
             rho_old: &two.work.rho_old,

@@ -11,6 +11,7 @@
 
 mod basic;
 mod contact_angle;
+mod coulomb_friction;
 mod flow_direction;
 mod local_fluidity;
 mod pressure;
@@ -21,6 +22,7 @@ mod table;
 
 pub use basic::{FixedGradient, FixedValue, ZeroGradient};
 pub use contact_angle::{ConstantAlphaContactAngle, ContactLimit};
+pub use coulomb_friction::CoulombFriction;
 pub use flow_direction::{InletOutlet, PressureInletOutletVelocity};
 pub use local_fluidity::LocalFluidity;
 pub use pressure::{FixedFluxPressure, PrghPressure, TotalPressure};
@@ -100,6 +102,13 @@ pub struct Surroundings<'a> {
     pub contact_gradient: &'a [f64],
     /// `rho U^2/2` on all boundary faces, Pa (for total pressures); empty where it does not apply.
     pub dynamic_pressure: &'a [f64],
+    /// Pressure on all boundary faces, Pa (for walls with friction); empty where there are none.
+    pub wall_pressure: &'a [f64],
+    /// Viscosity there, Pa s.
+    pub wall_viscosity: &'a [f64],
+    /// Which way boundary faces slid in the last pass of an iteration (any length; zero: not at
+    /// all); empty outside of one.
+    pub slid: &'a [Vec3],
     /// Local fluidity over all cells, 1/s (for `localFluidity`).
     pub local_fluidity: &'a [f64],
 }
@@ -144,6 +153,10 @@ pub trait Condition<T>: Send + Sync {
     /// The angle at which an interface meets the wall, through fluid 1, if the condition gives one,
     /// radians.
     fn contact_angle(&self) -> Option<f64> {
+        None
+    }
+    /// The friction coefficient of a wall and its velocity in m/s, if it holds by friction.
+    fn friction(&self) -> Option<(f64, Vec3)> {
         None
     }
     /// Whether the condition pins the level of the field (so that no reference cell is needed).

@@ -2,9 +2,10 @@
 //! `granflow list conditions` and the book.
 
 use super::{
-    Condition, ConstantAlphaContactAngle, ContactLimit, FixedFluxPressure, FixedGradient,
-    FixedValue, InletOutlet, LocalFluidity, OfPatchType, PressureInletOutletVelocity, PrghPressure,
-    RotatingWall, Slip, TimeTable, TotalPressure, UniformFixedValue, ZeroGradient,
+    Condition, ConstantAlphaContactAngle, ContactLimit, CoulombFriction, FixedFluxPressure,
+    FixedGradient, FixedValue, InletOutlet, LocalFluidity, OfPatchType,
+    PressureInletOutletVelocity, PrghPressure, RotatingWall, Slip, TimeTable, TotalPressure,
+    UniformFixedValue, ZeroGradient,
 };
 use granflow_base::{Dims, Value, Vec3, norm, unit};
 use granflow_dict::{FieldValue, Reader};
@@ -133,6 +134,12 @@ fn no_slip(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
     leave_value(r);
     Box::new(FixedValue::named("noSlip", [0.0; 3]))
 }
+fn coulomb_friction(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    leave_value(r);
+    let mu = r.non_negative("mu", Dims::NONE);
+    let wall_velocity = r.vector("wallVelocity", c.dims);
+    Box::new(CoulombFriction { mu, wall_velocity, n_inner: c.n_inner })
+}
 fn rotating_wall(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
     leave_value(r);
     let origin = r.vector("origin", Dims::LENGTH);
@@ -245,6 +252,14 @@ pub const ALL: &[Entry] = &[
         reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, 1967, ch. 3.3",
         scalar: None,
         vector: Some(no_slip),
+    },
+    Entry {
+        name: "coulombFriction",
+        summary: "a wall that holds up to the traction mu P; beyond it the material slides and \
+                  mu P drags it (no regularisation)",
+        reference: "G. Duvaut, J.-L. Lions, Inequalities in Mechanics and Physics, 1976, ch. 3.5",
+        scalar: None,
+        vector: Some(coulomb_friction),
     },
     Entry {
         name: "rotatingWallVelocity",

@@ -1,0 +1,150 @@
+//! Walls with Coulomb friction: what decides between stick and slip, and how the traction of a
+//! sliding wall answers a change of the flow.
+//!
+//! Stick or slip of a face follows from the state of its cell
+//! ([`granflow_fv::conditions::CoulombFriction`]), so that residuals are those of the exact
+//! complementarity. One outer pass is one step of a semismooth Newton method, which is a
+//! primal-dual active set (M. Hintermueller, K. Ito, K. Kunisch, SIAM J. Optim. 13 (2003) 865):
+//! faces that stick keep the wall's velocity, faces that slide have the traction `mu P`, and both
+//! its pressure and its direction follow the flow inside the operator of the coupled solve.
+
+use crate::Flow;
+use granflow_base::{Value, Vec3, dot, norm, scale, sub};
+use granflow_fv::{FaceField, Unknown};
+use granflow_mesh::Mesh;
+use granflow_par::Exec;
+use std::ops::Range;
+
+/// The walls with friction of a flow.
+pub(crate) struct Friction {
+    walls: Vec<Wall>,
+    /// Pressure on all boundary faces, Pa; empty without such walls.
+    pub(crate) pressure: Vec<f64>,
+    /// Which way faces slid in the last pass of this step, over all boundary faces.
+    pub(crate) slid: Vec<Vec3>,
+}
+
+struct Wall {
+    faces: Range<usize>,
+    mu: f64,
+    velocity: Vec3,
+}
+
+impl Friction {
+    pub(crate) fn new(mesh: &Mesh, u: &Unknown<Vec3>) -> Self {
+        let with = mesh.patches.iter().zip(&u.conditions);
+        let walls: Vec<Wall> = with
+            .filter_map(|(patch, condition)| {
+                let (mu, velocity) = condition.friction()?;
+                Some(Wall { faces: patch.faces.clone(), mu, velocity })
+            })
+            .collect();
+        let boundary = if walls.is_empty() { 0 } else { mesh.n_faces() - mesh.n_inner };
+        Friction { walls, pressure: vec![0.0; boundary], slid: vec![[0.0; 3]; boundary] }
+    }
+
+    /// Forgets which way faces slid: to be called as a step begins.
+    pub(crate) fn forget(&mut self) {
+        self.slid.fill([0.0; 3]);
+    }
+
+    /// Remembers which way faces slide: to be called as a pass begins.
+    pub(crate) fn remember(&mut self, mesh: &Mesh, u: &Unknown<Vec3>) {
+        for b in self.walls.iter().flat_map(|w| w.faces.clone()).map(|f| f - mesh.n_inner) {
+            let slides = u.closure.slope[b] != 0.0;
+            self.slid[b] = if slides { scale(u.closure.offset[b], -1.0) } else { [0.0; 3] };
+        }
+    }
+
+    /// Whether there is any wall with friction.
+    pub(crate) fn any(&self) -> bool {
+        !self.walls.is_empty()
+    }
+
+    /// The pressure on the walls, `P = p_rgh + rho G.x`, Pa.
+    pub(crate) fn press(&mut self, mesh: &Mesh, p: &Unknown<f64>, rho: &[f64], gravity: Vec3) {
+        for f in self.walls.iter().flat_map(|w| w.faces.clone()) {
+            let weight = rho[mesh.owner[f] as usize] * dot(gravity, mesh.face_centre[f]);
+            self.pressure[f - mesh.n_inner] = p.boundary_value(mesh, f) + weight;
+        }
+    }
+
+    /// Takes out of the forces on sliding faces what lies along the wall: that is the traction
+    /// `mu P`, which the matrix has, and nothing else (`grad(U.n)` vanishes along a wall, and
+    /// the viscosity has no say in it).
+    pub(crate) fn keep_normal(
+        &self,
+        exec: &Exec,
+        mesh: &Mesh,
+        u: &Unknown<Vec3>,
+        force: &mut FaceField<Vec3>,
+    ) {
+        for wall in &self.walls {
+            let start = wall.faces.start;
+            exec.for_each(&mut force.data[wall.faces.clone()], |first, force| {
+                for (i, force) in force.iter_mut().enumerate() {
+                    let f = start + first + i;
+                    if slides(mesh, u, f) {
+                        let n = u.boundary_normal(mesh, f);
+                        *force = scale(n, dot(*force, n));
+                    }
+                }
+            });
+        }
+    }
+
+    /// Adds to `force`, the viscous force on faces for a change `du` of velocity and `dp` of
+    /// pressure, what the traction of sliding faces makes of it:
+    /// `-|S| (mu dP e + mu P (1 - e e - n n) dU/|U_cell - U_wall|)`, e the direction of sliding.
+    pub(crate) fn add_change(
+        &self,
+        exec: &Exec,
+        mesh: &Mesh,
+        u: &Unknown<Vec3>,
+        (du, dp): (&[Vec3], &Unknown<f64>),
+        force: &mut FaceField<Vec3>,
+    ) {
+        for wall in &self.walls {
+            let start = wall.faces.start;
+            exec.for_each(&mut force.data[wall.faces.clone()], |first, force| {
+                for (i, force) in force.iter_mut().enumerate() {
+                    let f = start + first + i;
+                    if !slides(mesh, u, f) {
+                        continue;
+                    }
+                    let (c, n) = (mesh.owner[f] as usize, u.boundary_normal(mesh, f));
+                    let along = |v: Vec3| v.axpy(-dot(v, n), n);
+                    let apart = along(sub(u.cells.data[c], wall.velocity));
+                    let distance = norm(apart);
+                    let p = self.pressure[f - mesh.n_inner];
+                    // Nothing holds where grains are pulled off the wall.
+                    if distance == 0.0 || p <= 0.0 {
+                        continue;
+                    }
+                    let e = scale(apart, 1.0 / distance);
+                    let across = along(du[c]);
+                    let across = across.axpy(-dot(across, e), e);
+                    let area = wall.mu * mesh.mag_area[f];
+                    *force = force
+                        .axpy(-area * dp.boundary_value(mesh, f), e)
+                        .axpy(-area * p / distance, across);
+                }
+            });
+        }
+    }
+}
+
+/// Whether boundary face `f` of a wall with friction slides.
+#[inline]
+fn slides(mesh: &Mesh, u: &Unknown<Vec3>, f: usize) -> bool {
+    u.closure.slope[f - mesh.n_inner] != 0.0
+}
+
+impl Flow {
+    /// To be called when the viscosity has changed: what walls with friction hold depends on it.
+    pub(crate) fn viscosity_meets_walls(&mut self) {
+        if self.work.friction.any() {
+            self.update_conditions();
+        }
+    }
+}
