@@ -5,11 +5,16 @@ use granflow_physics::rheology::Beyond;
 
 /// Greatest residual of momentum and of continuity at which stress over pressure tells of the
 /// material, and not of an iteration that lost its way.
-const SOUND: f64 = 1e-2;
+const SOUND: f64 = 1e-3;
 
 /// Whether a state is near enough to a flow to be judged.
 pub(crate) fn is_sound(residuals: &Residuals) -> bool {
     residuals.u <= SOUND && residuals.p <= SOUND
+}
+
+/// Whether an unconverged state is so far from any flow that another guess is worth a try.
+pub(crate) fn is_lost(residuals: &Residuals) -> bool {
+    residuals.u.max(residuals.p) > 1e-2
 }
 
 /// Growth of the residuals over their best after which passes are given up, and passes without a

@@ -84,8 +84,12 @@ impl Flow {
         self.strain_rate_of_state();
         let Flow { exec, mesh, work: w, fluid, state, .. } = self;
         let (rate, eta) = (&w.strain_rate, &w.eta.data);
+        let local = fluid.rheology.is_local();
         exec.for_each(&mut w.tau[..n], |first, tau| {
-            tau.iter_mut().enumerate().for_each(|(i, t)| *t = eta[first + i] * rate[first + i]);
+            for (i, tau) in tau.iter_mut().enumerate() {
+                // A local law carries what it says at this rate; `eta` may be of another trial.
+                *tau = if local { 0.0 } else { eta[first + i] * rate[first + i] };
+            }
         });
         let view = FlowView {
             exec,
