@@ -5,7 +5,7 @@ use granflow_physics::rheology::Beyond;
 
 /// Greatest residual of momentum and of continuity at which stress over pressure tells of the
 /// material, and not of an iteration that lost its way.
-const SOUND: f64 = 1e-3;
+const SOUND: f64 = 1e-2;
 
 /// Whether a state is near enough to a flow to be judged.
 pub(crate) fn is_sound(residuals: &Residuals) -> bool {
