@@ -30,6 +30,22 @@ fn fields_are_set_and_written() {
 }
 
 #[test]
+fn a_fraction_beyond_its_bounds_is_refused() {
+    let case = dam();
+    ran(&case, &["init"]);
+    let file = case.path().join("0/alpha.water");
+    let old = case.read("0/alpha.water");
+    std::fs::write(&file, old.replacen("\n1\n", "\n1.5\n", 1)).unwrap();
+    let run = case.run(&["run"]);
+    let said = text(&run.stderr);
+    assert_eq!(run.status.code(), Some(2), "{said}");
+    assert!(
+        said.contains("0/alpha.water") && said.contains("the volume fraction is 1.5"),
+        "{said}"
+    );
+}
+
+#[test]
 fn a_restart_repeats_the_run_to_the_bit() {
     for application in ["interFoam", "interIsoFoam"] {
         let files = ["0.02/U", "0.02/p_rgh", "0.02/alpha.water", "0.02/phi", "0.02/uniform/time"];

@@ -4,17 +4,12 @@ use crate::{Flow, Report, ResidualControl, Residuals, StepError};
 use granflow_physics::rheology::Beyond;
 
 /// Greatest residual of momentum and of continuity at which stress over pressure tells of the
-/// material, and not of an iteration that lost its way.
+/// material, and not of an iteration that lost its way; beyond it another guess is worth a try.
 const SOUND: f64 = 1e-2;
 
 /// Whether a state is near enough to a flow to be judged.
 pub(crate) fn is_sound(residuals: &Residuals) -> bool {
     residuals.u <= SOUND && residuals.p <= SOUND
-}
-
-/// Whether an unconverged state is so far from any flow that another guess is worth a try.
-pub(crate) fn is_lost(residuals: &Residuals) -> bool {
-    residuals.u.max(residuals.p) > 1e-2
 }
 
 /// Growth of the residuals over their best after which passes are given up, and passes without a
@@ -82,10 +77,14 @@ impl Flow {
     /// place of the old flow, which may be far from anything that this material can do.
     pub fn step(&mut self, dt: f64) -> Result<Report, StepError> {
         let mut result = self.advance(dt, Guess::Old);
-        let lost = matches!(
-            &result,
-            Ok(None) | Err(StepError::NotFinite { .. } | StepError::Solve { .. })
-        );
+        // What one rank reports as `NotFinite` the others do as `Elsewhere`: all must agree.
+        let lost = match &result {
+            Ok(whole) => whole.is_none(),
+            Err(e) => matches!(
+                e,
+                StepError::NotFinite { .. } | StepError::Elsewhere { .. } | StepError::Solve { .. }
+            ),
+        };
         if lost && self.may_start_from_rest() {
             self.rollback();
             result = self.advance(dt, Guess::Rest);

@@ -79,18 +79,10 @@ impl Friction {
         u: &Unknown<Vec3>,
         force: &mut FaceField<Vec3>,
     ) {
-        for wall in &self.walls {
-            let start = wall.faces.start;
-            exec.for_each(&mut force.data[wall.faces.clone()], |first, force| {
-                for (i, force) in force.iter_mut().enumerate() {
-                    let f = start + first + i;
-                    if slides(mesh, u, f) {
-                        let n = u.boundary_normal(mesh, f);
-                        *force = scale(n, dot(*force, n));
-                    }
-                }
-            });
-        }
+        self.each_sliding(exec, mesh, u, force, |_, f, force| {
+            let n = u.boundary_normal(mesh, f);
+            *force = scale(n, dot(*force, n));
+        });
     }
 
     /// Adds to `force`, the viscous force on faces for a change `du` of velocity and `dp` of
@@ -104,30 +96,43 @@ impl Friction {
         (du, dp): (&[Vec3], &Unknown<f64>),
         force: &mut FaceField<Vec3>,
     ) {
+        self.each_sliding(exec, mesh, u, force, |wall, f, force| {
+            let (c, n) = (mesh.owner[f] as usize, u.boundary_normal(mesh, f));
+            let along = |v: Vec3| v.axpy(-dot(v, n), n);
+            let apart = along(sub(u.cells.data[c], wall.velocity));
+            let distance = norm(apart);
+            let p = self.pressure[f - mesh.n_inner];
+            // Nothing holds where grains are pulled off the wall.
+            if distance == 0.0 || p <= 0.0 {
+                return;
+            }
+            let e = scale(apart, 1.0 / distance);
+            let across = along(du[c]);
+            let across = across.axpy(-dot(across, e), e);
+            let area = wall.mu * mesh.mag_area[f];
+            *force = force
+                .axpy(-area * dp.boundary_value(mesh, f), e)
+                .axpy(-area * p / distance, across);
+        });
+    }
+
+    /// Calls `change` with the wall, the number and the force of every face that slides.
+    fn each_sliding(
+        &self,
+        exec: &Exec,
+        mesh: &Mesh,
+        u: &Unknown<Vec3>,
+        force: &mut FaceField<Vec3>,
+        change: impl Fn(&Wall, usize, &mut Vec3) + Sync,
+    ) {
         for wall in &self.walls {
             let start = wall.faces.start;
             exec.for_each(&mut force.data[wall.faces.clone()], |first, force| {
                 for (i, force) in force.iter_mut().enumerate() {
                     let f = start + first + i;
-                    if !slides(mesh, u, f) {
-                        continue;
+                    if slides(mesh, u, f) {
+                        change(wall, f, force);
                     }
-                    let (c, n) = (mesh.owner[f] as usize, u.boundary_normal(mesh, f));
-                    let along = |v: Vec3| v.axpy(-dot(v, n), n);
-                    let apart = along(sub(u.cells.data[c], wall.velocity));
-                    let distance = norm(apart);
-                    let p = self.pressure[f - mesh.n_inner];
-                    // Nothing holds where grains are pulled off the wall.
-                    if distance == 0.0 || p <= 0.0 {
-                        continue;
-                    }
-                    let e = scale(apart, 1.0 / distance);
-                    let across = along(du[c]);
-                    let across = across.axpy(-dot(across, e), e);
-                    let area = wall.mu * mesh.mag_area[f];
-                    *force = force
-                        .axpy(-area * dp.boundary_value(mesh, f), e)
-                        .axpy(-area * p / distance, across);
                 }
             });
         }

@@ -2,7 +2,7 @@
 //! place alone: the viscosity is no unknown of its own, its change follows that of velocity and
 //! pressure inside the operator of the coupled solve.
 //!
-//! With `eta(rate, P)` in a cell, `d eta = eta (m d rate/rate + q dP)`: m is zero for a Newtonian
+//! With `eta(rate, P)` on a face, `d eta = eta (m d rate/rate + q dP)`: m is zero for a Newtonian
 //! fluid and -1 where a material yields without hardening. The viscosity as the flow has it, held
 //! for a pass (Kachanov's method, L. M. Kachanov, Foundations of the Theory of Plasticity (1971)),
 //! leaves `-m` of an error; the steps of Newton's method are taken where they bring the imbalance
@@ -11,7 +11,7 @@
 //! does.
 
 use crate::{Flow, StepError};
-use granflow_base::{Dims, Tensor, Value, Vec3, dot, double_dot};
+use granflow_base::{Tensor, Value, Vec3, apply, dot, double_dot, symm};
 use granflow_fv::{FaceField, Reconstruction, Unknown, operators};
 use granflow_linsolve::Solved;
 use granflow_mesh::Mesh;
@@ -25,7 +25,8 @@ const HALVINGS: usize = 6;
 /// Share of the neighbouring cells' mean in the strain rate of a face. Without it the law on the
 /// faces does not converge where all of a material is at yield (mu(I) from rest with short steps,
 /// Bingham on several cells along the flow): neighbouring faces that yield by turns are then as good
-/// a solution as any. With 0.05 to 1 it does; the error beside a yield surface grows with it.
+/// a solution as any. With 0.1, 0.25 and 1 it does (book, "The nonlinear iteration"); the error
+/// beside a yield surface grows with it.
 const SHARED: f64 = 0.1;
 
 /// Scratch of the method.
@@ -37,8 +38,9 @@ pub(crate) struct Newton {
     /// Twice the strain rate tensor of the cells and the shares of their faces in it.
     twice_strain: Vec<Tensor>,
     shares: Vec<[f64; 3]>,
-    /// Strain rate of the cells (1/s, with ghosts), that of a direction, and what each is on faces.
+    /// Strain rate of the cells, 1/s, with ghosts.
     cell_rate: Vec<f64>,
+    /// Changes of `twice_strain` and `cell_rate` with a direction.
     change: Vec<Tensor>,
     d_rate: Vec<f64>,
     /// Strain rate, pressure between grains (Pa), viscosity (Pa s) and its logarithm's slopes
@@ -50,8 +52,6 @@ pub(crate) struct Newton {
     /// `grad U + grad U^T` on the faces, 1/s, and its magnitude.
     face_strain: Vec<Tensor>,
     own_rate: Vec<f64>,
-    /// Viscous force on faces per unit of viscosity.
-    per_viscosity: FaceField<Vec3>,
     /// Where the pass began.
     u: Vec<Vec3>,
     p: Vec<f64>,
@@ -76,7 +76,6 @@ impl Newton {
             slopes: vec![[0.0; 2]; faces],
             face_strain: vec![[0.0; 9]; faces],
             own_rate: vec![0.0; faces],
-            per_viscosity: FaceField::new(m, "viscous force", Dims::NONE, [0.0; 3]),
             u: vec![[0.0; 3]; all],
             p: vec![0.0; all],
         }
@@ -108,8 +107,9 @@ impl Flow {
         });
     }
 
-    /// The law on the faces, at the strain rate and the pressure that its cells have in the mean:
-    /// exact where both are linear. On the boundary the rate is the face's own.
+    /// The law on the faces: at the strain rate of their own differences but for what they share
+    /// with their neighbours ([`SHARED`]), and the pressure that their cells have in the mean. The
+    /// cell gradients of velocity and `work.strain_rate` must be up to date.
     pub(crate) fn evaluate_law_on_faces(&mut self) {
         let Flow { exec, mesh, state, work: w, fluid, gravity, .. } = self;
         let (u, p, gradient) = (&state.u, &state.p, &w.grad_u);
@@ -153,7 +153,6 @@ impl Flow {
         if !self.work.newton.active {
             return self.solve_coupled(dt, wanted);
         }
-        self.force_per_viscosity();
         let Flow { state, work: w, .. } = self;
         w.newton.u.copy_from_slice(&state.u.cells.data);
         w.newton.p.copy_from_slice(&state.p.cells.data);
@@ -200,29 +199,12 @@ impl Flow {
         self.update_conditions();
         self.interpolate_flux_of_state(dt);
     }
-
-    /// Viscous force on the faces for a viscosity of one.
-    fn force_per_viscosity(&mut self) {
-        let Flow { exec, mesh, state, work: w, numerics, .. } = self;
-        numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
-        let (u, gradient) = (&state.u, &w.grad_u);
-        let leaning =
-            (mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0).then_some(&gradient[..]);
-        exec.for_each(&mut w.newton.per_viscosity.data, |first, out| {
-            for (i, force) in out.iter_mut().enumerate() {
-                let f = first + i;
-                let dudn = operators::normal_derivative(mesh, u, leaning, f);
-                let both = dudn.plus(operators::transpose_derivative(mesh, gradient, f, dudn));
-                *force = both.scaled(mesh.mag_area[f]);
-            }
-        });
-    }
 }
 
 impl Newton {
     /// Adds to `stress`, the viscous force on faces for a change `du` of velocity and `dp` of
     /// pressure, what their change of viscosity makes of the present flow. `gradient` is that of
-    /// `du`; `eta` is the viscosity on the faces.
+    /// `du`. A face bears `eta S.E` with `E = grad U + grad U^T`.
     pub(crate) fn add_change_of_viscosity(
         &mut self,
         exec: &Exec,
@@ -247,7 +229,7 @@ impl Newton {
             }
         });
         mesh.halo.update(exec, d_rate);
-        let (d_rate, force) = (&*d_rate, &self.per_viscosity.data);
+        let d_rate = &*d_rate;
         let (rate, slopes, eta) = (&self.rate, &self.slopes, &self.eta);
         exec.for_each(&mut stress.data, |first, out| {
             for (i, t) in out.iter_mut().enumerate() {
@@ -258,20 +240,19 @@ impl Newton {
                 }
                 let e = strain_on_face(mesh, du, gradient, f);
                 let own = self.own_rate[f].max(f64::MIN_POSITIVE);
-                let mut d_own = 0.5 * double_dot(&self.face_strain[f], &e) / own;
+                let mut change = 0.5 * double_dot(&self.face_strain[f], &e) / own;
                 let dp = match mesh.neighbour.get(f) {
                     Some(_) => {
-                        d_own = SHARED * between(mesh, d_rate, f) + (1.0 - SHARED) * d_own;
+                        change = SHARED * between(mesh, d_rate, f) + (1.0 - SHARED) * change;
                         between(mesh, &dp.cells.data, f)
                     }
                     None => dp.boundary_value(mesh, f),
                 };
-                let d_rate = d_own;
                 let mut d_ln_eta = of_pressure * dp;
                 if of_rate != 0.0 {
-                    d_ln_eta += of_rate * d_rate / rate[f];
+                    d_ln_eta += of_rate * change / rate[f];
                 }
-                *t = t.axpy(d_ln_eta * eta[f], force[f]);
+                *t = t.axpy(d_ln_eta * eta[f], apply(&self.face_strain[f], mesh.area[f]));
             }
         });
     }
@@ -288,11 +269,5 @@ fn between(mesh: &Mesh, x: &[f64], f: usize) -> f64 {
 #[inline]
 fn strain_on_face(mesh: &Mesh, u: &Unknown<Vec3>, gradient: &[Tensor], f: usize) -> Tensor {
     let g = operators::face_gradient(mesh, u, gradient, mesh.max_nonorth_deg > 0.1, f);
-    let mut e = [0.0; 9];
-    for i in 0..3 {
-        for j in 0..3 {
-            e[3 * i + j] = g[3 * i + j] + g[3 * j + i];
-        }
-    }
-    e
+    symm(&g).scaled(2.0)
 }

@@ -1,7 +1,7 @@
 //! One time step, top to bottom: conditions, then outer iterations of momentum, pressure and
 //! viscosity until the residuals of one and the same state are small, then the report.
 
-use crate::failure::{Guess, Hope, is_lost, is_sound};
+use crate::failure::{Guess, Hope, is_sound};
 use crate::work::Work;
 use crate::{Fluid, Gravity, Numerics, Report, Residuals, State, StepError};
 use granflow_base::norm;
@@ -131,7 +131,7 @@ impl Flow {
             let wanted = self.wanted_reduction(settled, &report.residuals);
             self.correct(dt, wanted, k + 1 == outer, &mut report)?;
         }
-        let lost = !report.converged && is_lost(&report.residuals);
+        let lost = !report.converged && !is_sound(&report.residuals);
         if lost && guess == Guess::Old && self.may_start_from_rest() {
             return Ok(None);
         }

@@ -19,12 +19,12 @@ const ROUNDING: f64 = 1e-13;
 impl Flow {
     /// Pressure between grains, P = p_rgh + rho G.x, Pa.
     pub(crate) fn total_pressure(&mut self) {
-        let (p, g, rho) = (&self.state.p.cells.data, self.gravity.hydrostatic, self.fluid.rho);
-        let mesh = &*self.mesh;
-        self.exec.for_each(&mut self.work.pressure[..mesh.n_cells], |first, out| {
+        let Flow { exec, mesh, state, work: w, gravity, .. } = self;
+        let (p, rho, g) = (&state.p.cells.data, &w.rho.data, gravity.hydrostatic);
+        exec.for_each(&mut w.pressure[..mesh.n_cells], |first, out| {
             for (i, total) in out.iter_mut().enumerate() {
                 let c = first + i;
-                *total = p[c] + rho * dot(g, mesh.cell_centre[c]);
+                *total = p[c] + rho[c] * dot(g, mesh.cell_centre[c]);
             }
         });
     }
@@ -84,20 +84,18 @@ impl Flow {
         self.strain_rate_of_state();
         let Flow { exec, mesh, work: w, fluid, state, .. } = self;
         let (rate, eta) = (&w.strain_rate, &w.eta.data);
-        let local = fluid.rheology.is_local();
         exec.for_each(&mut w.tau[..n], |first, tau| {
-            for (i, tau) in tau.iter_mut().enumerate() {
-                // A local law carries what it says at this rate; `eta` may be of another trial.
-                *tau = if local { 0.0 } else { eta[first + i] * rate[first + i] };
-            }
+            tau.iter_mut().enumerate().for_each(|(i, t)| *t = eta[first + i] * rate[first + i]);
         });
+        // A local law carries what it says at this rate; `eta` may be of another trial.
+        let nonlocal = !fluid.rheology.is_local();
         let view = FlowView {
             exec,
             mesh,
             time,
             dt,
             strain_rate: &w.strain_rate,
-            stress: Some(&w.tau),
+            stress: nonlocal.then_some(&w.tau[..]),
             pressure: &w.pressure,
             density: &w.rho.data,
             flux: &state.phi,

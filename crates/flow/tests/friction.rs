@@ -47,11 +47,11 @@ fn a_steep_slope_says_how_much_friction_it_uses() {
     assert!(beyond.inertial < 1e3, "{beyond:?}");
 }
 
-/// A start at a million metres a second, up and down from cell to cell, and an endless step: where
-/// the first iteration gets to has nothing to do with grains, and nothing is said of them; what is
-/// said is what the second one, from rest, found while its residuals were sound.
+/// A start at a million metres a second, up and down from cell to cell, and an endless step: it does
+/// not converge, and what is said of friction is no more than grains carry, wherever the iteration
+/// has been. (At a viscosity of another trial it once said mu = 1.7e8.)
 #[test]
-fn an_iteration_that_lost_its_way_says_nothing_of_friction() {
+fn an_iteration_that_lost_its_way_says_no_more_than_grains_carry() {
     let mut flow = incline(0.75, false);
     for (c, u) in flow.state.u.cells.data.iter_mut().enumerate() {
         *u = [1e6 * (7.3 * c as f64).sin(), 0.0, 0.0];
@@ -60,9 +60,8 @@ fn an_iteration_that_lost_its_way_says_nothing_of_friction() {
         Ok(report) => {
             println!("{report:?}");
             assert!(report.outer < 150, "nobody waits for what has stopped moving: {report:?}");
-            let residuals = report.residuals;
-            assert!(!report.converged && residuals.u.max(residuals.p) > 1e-2, "{report:?}");
-            let sound = |b: &Beyond| b.mu > 0.9 * b.mu_2 && b.mu <= b.mu_2 && b.inertial < 1e7;
+            assert!(!report.converged, "{report:?}");
+            let sound = |b: &Beyond| b.mu > 0.9 * b.mu_2 && b.mu <= b.mu_2;
             assert!(report.rheology.beyond.as_ref().is_none_or(sound), "{report:?}");
         }
         Err(e) => assert!(!matches!(e, StepError::Beyond { .. }), "{e}"),

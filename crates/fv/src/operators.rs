@@ -171,14 +171,7 @@ pub fn transpose_stress_flux(
 /// replaced by the compact normal derivative `dudn`. Units of the strain rate.
 #[inline]
 pub fn transpose_derivative(mesh: &Mesh, gradient: &[Tensor], f: usize, dudn: Vec3) -> Vec3 {
-    let o = mesh.owner[f] as usize;
-    let at_face = match mesh.neighbour.get(f) {
-        Some(&n) => {
-            let w = mesh.weight[f];
-            gradient[o].scaled(w).axpy(1.0 - w, gradient[n as usize])
-        }
-        None => gradient[o],
-    };
+    let at_face = interpolated(mesh, gradient, f);
     let n = scale(mesh.area[f], 1.0 / mesh.mag_area[f]);
     let jump = dot(dudn.minus(Vec3::along(at_face, n)), n);
     granflow_base::apply(&at_face, n).axpy(jump, n)
@@ -195,14 +188,20 @@ pub fn face_gradient(
     f: usize,
 ) -> Tensor {
     let dudn = normal_derivative(mesh, u, corrected.then_some(gradient), f);
+    let at_face = interpolated(mesh, gradient, f);
+    let n = scale(mesh.area[f], 1.0 / mesh.mag_area[f]);
+    at_face.plus(Vec3::dyad(n, dudn.minus(Vec3::along(at_face, n))))
+}
+
+/// Cell gradients interpolated to face `f`; the cell's own at the boundary.
+#[inline]
+fn interpolated(mesh: &Mesh, gradient: &[Tensor], f: usize) -> Tensor {
     let o = mesh.owner[f] as usize;
-    let at_face = match mesh.neighbour.get(f) {
+    match mesh.neighbour.get(f) {
         Some(&n) => {
             let w = mesh.weight[f];
             gradient[o].scaled(w).axpy(1.0 - w, gradient[n as usize])
         }
         None => gradient[o],
-    };
-    let n = scale(mesh.area[f], 1.0 / mesh.mag_area[f]);
-    at_face.plus(Vec3::dyad(n, dudn.minus(Vec3::along(at_face, n))))
+    }
 }

@@ -29,6 +29,13 @@ impl Reconstruction {
         Reconstruction { inverse: (0..mesh.n_cells).map(one).collect() }
     }
 
+    /// The vector in cell `c` for which `sum` is the sum of its normal parts on the faces times their
+    /// area vectors.
+    #[inline]
+    pub fn vector(&self, c: usize, sum: Vec3) -> Vec3 {
+        granflow_base::apply(&self.inverse[c], sum)
+    }
+
     /// The mean viscous stress of each cell, rebuilt from the tractions of its faces as momentum
     /// has them. Averaging stresses, which are smooth, in place of strain rates, which fall by a
     /// decade every few grains, is what makes four cells a grain enough.

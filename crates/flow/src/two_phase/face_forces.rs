@@ -8,7 +8,7 @@
 use super::TwoPhase;
 use crate::{Flow, State};
 use granflow_base::{Dims, Tensor, Value, Vec3, apply, dot, inverse_symmetric, norm, scale, unit};
-use granflow_fv::{Differentiable, FaceField, Unknown};
+use granflow_fv::{Differentiable, FaceField, Reconstruction, Unknown};
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
 
@@ -25,8 +25,7 @@ pub(crate) struct FaceForces {
     gradient: Vec<Vec3>,
     /// `(sum e e^T)^-1` with e the unit vectors of the differences.
     fit: Vec<Tensor>,
-    /// `(sum |S| n n^T)^-1`.
-    rebuild: Vec<Tensor>,
+    rebuild: Reconstruction,
 }
 
 impl FaceForces {
@@ -46,20 +45,13 @@ impl FaceForces {
             }
             inverse_symmetric(&m)
         };
-        let rebuild = |c: usize| {
-            let mut m = [0.0; 9];
-            for (f, _) in mesh.faces_of(c) {
-                m = m.axpy(1.0 / mesh.mag_area[f], Vec3::dyad(mesh.area[f], mesh.area[f]));
-            }
-            inverse_symmetric(&m)
-        };
         FaceForces {
             jump: FaceField::new(mesh, "jump", Dims::PRESSURE, 0.0),
             imbalance: vec![0.0; mesh.n_faces()],
             wall_gradient: vec![0.0; mesh.n_faces() - mesh.n_inner],
             gradient: if leaning { vec![[0.0; 3]; mesh.n_all()] } else { Vec::new() },
             fit: if leaning { (0..mesh.n_cells).map(fit).collect() } else { Vec::new() },
-            rebuild: (0..mesh.n_cells).map(rebuild).collect(),
+            rebuild: Reconstruction::new(mesh),
             open,
         }
     }
@@ -137,7 +129,7 @@ impl FaceForces {
     /// The vector in cell `c` for which `sum` is the sum of its normal parts times the area vectors.
     #[inline]
     pub(crate) fn rebuilt(&self, c: usize, sum: Vec3) -> Vec3 {
-        apply(&self.rebuild[c], sum)
+        self.rebuild.vector(c, sum)
     }
 }
 

@@ -2,7 +2,6 @@
 
 use crate::viscosity::strain_rate_of;
 use crate::{Flow, StepError};
-use granflow_base::dot;
 use granflow_fv::operators;
 use granflow_physics::rheology::FlowView;
 
@@ -46,7 +45,7 @@ impl Flow {
     /// Viscosity of each fluid at the strain rate as it stands, mixed in the cells and linear
     /// between them.
     pub(crate) fn mix_viscosity_of_fluids(&mut self, dt: f64) -> Result<(), StepError> {
-        self.pressure_of_mixture();
+        self.total_pressure();
         let time = self.state.time;
         let Flow { exec, mesh, state, work: w, fluid, two_phase, numerics, .. } = self;
         let (Some(two), Some(alpha)) = (two_phase, &state.alpha) else { return Ok(()) };
@@ -79,17 +78,5 @@ impl Flow {
         mesh.halo.update(exec, &mut w.eta.data);
         operators::to_faces(exec, mesh, &w.eta.data, &mut w.eta_f);
         Ok(())
-    }
-
-    /// `p = p_rgh + rho G.x`, Pa, into `work.pressure`.
-    pub(crate) fn pressure_of_mixture(&mut self) {
-        let Flow { exec, mesh, state, work: w, gravity, .. } = self;
-        let (p, rho, g) = (&state.p.cells.data, &w.rho.data, gravity.hydrostatic);
-        exec.for_each(&mut w.pressure[..mesh.n_cells], |first, out| {
-            for (i, total) in out.iter_mut().enumerate() {
-                let c = first + i;
-                *total = p[c] + rho[c] * dot(g, mesh.cell_centre[c]);
-            }
-        });
     }
 }

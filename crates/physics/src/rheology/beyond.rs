@@ -26,10 +26,9 @@ pub struct Beyond {
 /// times what mu(I) was measured for.
 const LEFT: f64 = 0.03;
 
-/// Finds them, where the stress is known. Grains out of contact carry nothing and are no part of
+/// Finds them: by the stress where it is known, and by mu(I). Grains out of contact carry nothing and are no part of
 /// this; what is no longer a number neither.
 pub(super) fn beyond(v: &FlowView<'_>, grains: &Granular) -> Option<Beyond> {
-    let stress = v.stress?;
     let (loose, n) = (grains.loose(), v.mesh.n_cells);
     let most = grains.mu_2 - LEFT * grains.delta_mu();
     let inertial = |c: usize| grains.inertial_number(v.strain_rate[c], v.pressure[c]);
@@ -38,7 +37,7 @@ pub(super) fn beyond(v: &FlowView<'_>, grains: &Granular) -> Option<Beyond> {
         if p <= loose {
             return 0.0;
         }
-        let (carried, local) = (stress[c] / p, grains.mu(inertial(c)));
+        let (carried, local) = (v.stress.map_or(0.0, |s| s[c] / p), grains.mu(inertial(c)));
         let worst = if carried >= grains.mu_2 { carried } else { local };
         if worst.is_finite() { worst } else { 0.0 }
     };

@@ -110,8 +110,8 @@ pub struct FlowView<'a> {
     /// Strain rate in the cells, 1/s: the mean stress of the cell over its viscosity where the
     /// model owns a field, the mean over the cell's faces where it is local.
     pub strain_rate: &'a [f64],
-    /// Magnitude of the cells' mean viscous stress, Pa, where it is known (not before the first
-    /// momentum solve of a step).
+    /// Magnitude of the cells' mean viscous stress, Pa, where it is known: not before the first
+    /// momentum solve of a step, and not for local laws, which say it themselves.
     pub stress: Option<&'a [f64]>,
     /// Pressure between grains, Pa.
     pub pressure: &'a [f64],
