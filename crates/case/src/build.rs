@@ -210,6 +210,9 @@ fn second_phase(
         frozen: config.solution.frozen,
         reference_pressure: case.reference.map_or(0.0, |r| r.1),
         vof,
+        mixing: second.mixing,
+        pores: second.pores,
+        pore_solver: Some(checked(&config.solution.p.spec)),
     };
     let mut two = TwoPhase::new(exec, &case.poly, mesh, p, case.gravity.hydrostatic, parts);
     let given = config.functions.iter().find_map(|f| f.plan.prescribes());

@@ -10,7 +10,7 @@
 //! pressure part knows the viscosity of one cell only); as a preconditioner what it gets wrong
 //! costs a direction, not convergence. No relaxation factor is needed.
 
-use crate::interpolation::{Interpolated, interpolated_flux};
+use crate::interpolation::{Interpolated, Slopes, interpolated_flux};
 use crate::krylov::{DIRECTIONS, Hessenberg};
 use crate::{Flow, Purpose, SolveCount, StepError, settle};
 use granflow_base::{Dims, Tensor, Value, Vec3, norm};
@@ -127,7 +127,8 @@ impl Coupled {
     }
 }
 
-/// What makes residuals of momentum and continuity comparable: the forces and the fluxes at work.
+/// What makes residuals of momentum and continuity comparable: the forces and the fluxes at work. Beside
+/// that forces count by the density they move: of two fluids, the light one is no less a flow.
 #[derive(Clone, Copy)]
 struct Scales {
     force: f64,
@@ -184,7 +185,11 @@ impl Flow {
             self.work.coupled.tightness *= TIGHTEN;
         }
         self.take(&small);
-        self.fix_pressure_level();
+        if self.two_phase.is_some() {
+            self.fix_level_of_two_phases();
+        } else {
+            self.fix_pressure_level();
+        }
         self.update_conditions();
         self.interpolate_flux_of_state(dt);
         done.iter_mut().for_each(|d| d.last = small.residual());
@@ -194,14 +199,15 @@ impl Flow {
     /// Norm of what momentum and continuity lack, in the units of the last pass; the residuals
     /// themselves are left in the first vector of the basis.
     pub(crate) fn imbalance(&mut self) -> f64 {
-        let Flow { exec, mesh, state, work: w, .. } = self;
+        let Flow { exec, mesh, state, work: w, fluid, .. } = self;
         let (n, scales) = (mesh.n_cells, w.coupled.scales);
         let first = &mut w.coupled.basis[0];
         let (residual, phi) = (&w.residual, &state.phi.data);
+        let (rho, rho_1) = (&w.rho.data, fluid.rho);
         exec.for_each2(&mut first.u[..n], &mut first.p[..n], |from, u, p| {
             for i in 0..u.len() {
                 let c = from + i;
-                u[i] = residual[c].scaled(1.0 / scales.force);
+                u[i] = residual[c].scaled(rho_1 / rho[c] / scales.force);
                 let net: f64 = mesh.faces_of(c).map(|(f, s)| s * phi[f]).sum();
                 p[i] = -net / scales.flux;
             }
@@ -245,9 +251,9 @@ impl Flow {
         let time = self.state.time;
         // Of the whole operator, and of the matrix alone where the transpose part vanishes.
         let share = if self.fluid.rheology.is_constant() { 1.0 } else { 0.5 };
-        let Flow { exec, mesh, state, numerics, work: w, .. } = self;
+        let Flow { exec, mesh, state, numerics, work: w, two_phase, .. } = self;
         let n = mesh.n_cells;
-        let eta = &w.eta.data;
+        let eta = two_phase.as_ref().and_then(|t| t.viscosity()).unwrap_or(&w.eta.data);
         exec.for_each(&mut w.compliance.data[..n], |first, out| {
             out.iter_mut().enumerate().for_each(|(i, k)| *k = share / eta[first + i]);
         });
@@ -273,19 +279,24 @@ impl Flow {
     fn precondition(&mut self, j: usize, scales: Scales) -> Result<Option<[usize; 2]>, StepError> {
         let time = self.state.time;
         let failed = |field| move |source| StepError::Solve { field, time, source };
-        let Flow { exec, mesh, numerics, work: w, .. } = self;
+        let Flow { exec, mesh, numerics, work: w, two_phase, fluid, .. } = self;
         let n = mesh.n_cells;
+        let (rho, rho_1) = (&w.rho.data, fluid.rho);
+        let light = two_phase.as_ref().map_or(1.0, |t| (t.rho_2 / rho_1).min(1.0));
         let Coupled { basis, directions, du, flux, viscous, rhs, second, tightness, defer, .. } =
             &mut w.coupled;
         let (v, z) = (&basis[j], &mut directions[j]);
         // Momentum with the pressure as it is.
         let force = &mut w.hby_a;
         exec.for_each(&mut force[..n], |first, b| {
-            b.iter_mut().enumerate().for_each(|(i, b)| *b = v.u[first + i].scaled(scales.force));
+            for (i, b) in b.iter_mut().enumerate() {
+                let c = first + i;
+                *b = v.u[c].scaled(scales.force * rho[c] / rho_1);
+            }
         });
         z.u.fill([0.0; 3]);
         let solver = &mut numerics.u.solver;
-        let tolerance = Tolerance { rel: (VELOCITY.rel * *tightness).max(TIGHTEST), ..VELOCITY };
+        let tolerance = Tolerance { rel: (VELOCITY.rel * *tightness * light).max(TIGHTEST), ..VELOCITY };
         let result = solver.solve(exec, &w.u_eqn.a, &force[..n], &mut z.u, &tolerance);
         if hopeless(&result) && numerics.convection == Convection::Linear && !*defer {
             w.solves[0] += SolveCount { all: 1, unconverged: 1 };
@@ -316,7 +327,9 @@ impl Flow {
         let result = numerics.compression.solve(exec, &viscous.a, rhs, second, &PRESSURE);
         let of_p2 = settle(result, second, Purpose::Direction, of_pressure).map_err(failed("p"))?;
         mesh.halo.update(exec, &mut w.p_prime.cells.data);
-        numerics.gradient.of(exec, mesh, &w.p_prime, &mut w.grad_p);
+        w.slopes_of_pressure(exec, mesh, numerics, two_phase.as_deref_mut(), Slopes::OfChange);
+        let Coupled { directions, second, .. } = &mut w.coupled;
+        let z = &mut directions[j];
         let (r_at, grad, p1) = (&w.r_at.data, &w.grad_p, &w.p_prime.cells.data);
         exec.for_each2(&mut z.u[..n], &mut z.p[..n], |first, u, p| {
             for i in 0..u.len() {
@@ -332,10 +345,11 @@ impl Flow {
     /// `basis[j + 1] = A directions[j]`, momentum and continuity.
     fn apply_operator(&mut self, j: usize, scales: Scales) {
         let deferred = self.defers_convection();
-        let Flow { exec, mesh, state, numerics, work: w, fluid, .. } = self;
+        let Flow { exec, mesh, state, numerics, work: w, fluid, two_phase, .. } = self;
         let n = mesh.n_cells;
         let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
-        let Coupled { basis, directions, du, gradient, stress, flux, .. } = &mut w.coupled;
+        let share = two_phase.as_ref().and_then(|t| t.share());
+        let Coupled { basis, directions, du, gradient, stress, .. } = &mut w.coupled;
         let (out, z) = (&mut basis[j + 1], &mut directions[j]);
         mesh.halo.update(exec, &mut z.u);
         mesh.halo.update(exec, &mut z.p);
@@ -358,7 +372,7 @@ impl Flow {
         }
         if w.newton.active {
             let of = (&*du, &gradient[..]);
-            let dp = &w.p_prime;
+            let dp = (&w.p_prime, share);
             w.newton.add_change_of_viscosity(exec, mesh, &w.reconstruction, of, dp, stress);
         }
         if corrected {
@@ -387,19 +401,22 @@ impl Flow {
         }
         w.friction.keep_normal(exec, mesh, &state.u, stress);
         w.friction.add_change(exec, mesh, &state.u, (&z.u, &w.p_prime), stress);
-        numerics.gradient.of(exec, mesh, &w.p_prime, &mut w.grad_p);
         w.u_eqn.a.apply(exec, &mut z.u, &mut out.u);
+        let two = two_phase.as_deref_mut();
+        w.slopes_of_pressure(exec, mesh, numerics, two, Slopes::OfChange);
+        let Coupled { basis, directions, du, gradient, stress, flux, .. } = &mut w.coupled;
+        let (out, z) = (&mut basis[j + 1], &mut directions[j]);
         let of = Interpolated {
             u: du,
             cells: &z.u,
             skewed: skewed.then_some(&gradient[..]),
-            p: &w.p_prime,
             grad_p: &w.grad_p,
-            corrected: leaning.then_some(&w.grad_p[..]),
+            dp_dn: &w.dp_dn,
             mobility: &w.r_a_f.data,
         };
         interpolated_flux(exec, mesh, &of, flux);
         let (stress, flux, grad, volume) = (&stress.data, &flux.data, &w.grad_p, &mesh.volume);
+        let (rho, rho_1) = (&w.rho.data, fluid.rho);
         exec.for_each2(&mut out.u[..n], &mut out.p[..n], |first, u, p| {
             for i in 0..u.len() {
                 let c = first + i;
@@ -408,7 +425,7 @@ impl Flow {
                     force = force.axpy(-s, stress[f]);
                     net += s * flux[f];
                 }
-                u[i] = force.scaled(1.0 / scales.force);
+                u[i] = force.scaled(rho_1 / rho[c] / scales.force);
                 p[i] = net / scales.flux;
             }
         });

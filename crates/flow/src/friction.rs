@@ -9,6 +9,7 @@
 //! its pressure and its direction follow the flow inside the operator of the coupled solve.
 
 use crate::Flow;
+use crate::two_phase::Grains;
 use granflow_base::{Value, Vec3, dot, norm, scale, sub};
 use granflow_fv::{FaceField, Unknown};
 use granflow_mesh::Mesh;
@@ -18,8 +19,13 @@ use std::ops::Range;
 /// The walls with friction of a flow.
 pub(crate) struct Friction {
     walls: Vec<Wall>,
-    /// Pressure on all boundary faces, Pa; empty without such walls.
+    /// Pressure of the material on all boundary faces times its share of them, Pa; empty without such
+    /// walls.
     pub(crate) pressure: Vec<f64>,
+    /// That share, and
+    share: Vec<f64>,
+    /// the viscosity of what fills the rest times its share, Pa s.
+    pub(crate) rest: Vec<f64>,
     /// Which way faces slid in the last pass of this step, over all boundary faces.
     pub(crate) slid: Vec<Vec3>,
 }
@@ -40,7 +46,13 @@ impl Friction {
             })
             .collect();
         let boundary = if walls.is_empty() { 0 } else { mesh.n_faces() - mesh.n_inner };
-        Friction { walls, pressure: vec![0.0; boundary], slid: vec![[0.0; 3]; boundary] }
+        Friction {
+            walls,
+            pressure: vec![0.0; boundary],
+            share: vec![1.0; boundary],
+            rest: vec![0.0; boundary],
+            slid: vec![[0.0; 3]; boundary],
+        }
     }
 
     /// Forgets which way faces slid: to be called as a step begins.
@@ -50,9 +62,15 @@ impl Friction {
 
     /// Remembers which way faces slide: to be called as a pass begins.
     pub(crate) fn remember(&mut self, mesh: &Mesh, u: &Unknown<Vec3>) {
-        for b in self.walls.iter().flat_map(|w| w.faces.clone()).map(|f| f - mesh.n_inner) {
-            let slides = u.closure.slope[b] != 0.0;
-            self.slid[b] = if slides { scale(u.closure.offset[b], -1.0) } else { [0.0; 3] };
+        for wall in &self.walls {
+            for b in wall.faces.clone().map(|f| f - mesh.n_inner) {
+                // The drag, without what a fluid beside the grains adds to it.
+                let (drag, slope) = (u.closure.offset[b], u.closure.slope[b]);
+                self.slid[b] = match slope != 0.0 {
+                    true => wall.velocity.scaled(1.0 - slope).minus(drag),
+                    false => [0.0; 3],
+                };
+            }
         }
     }
 
@@ -61,11 +79,22 @@ impl Friction {
         !self.walls.is_empty()
     }
 
-    /// The pressure on the walls, `P = p_rgh + rho G.x`, Pa.
-    pub(crate) fn press(&mut self, mesh: &Mesh, p: &Unknown<f64>, rho: &[f64], gravity: Vec3) {
+    /// The pressure on the walls, `P = p_rgh + rho G.x`, Pa, less that of what surrounds the grains.
+    pub(crate) fn press(
+        &mut self,
+        mesh: &Mesh,
+        p: &Unknown<f64>,
+        (rho, gravity): (&[f64], Vec3),
+        grains: Option<&Grains>,
+    ) {
         for f in self.walls.iter().flat_map(|w| w.faces.clone()) {
-            let weight = rho[mesh.owner[f] as usize] * dot(gravity, mesh.face_centre[f]);
-            self.pressure[f - mesh.n_inner] = p.boundary_value(mesh, f) + weight;
+            let (b, c, x) = (f - mesh.n_inner, mesh.owner[f] as usize, mesh.face_centre[f]);
+            self.pressure[b] = p.boundary_value(mesh, f) + rho[c] * dot(gravity, x);
+            if let Some(grains) = grains {
+                let share = grains.share[c];
+                self.pressure[b] = share * (self.pressure[b] - grains.pore.at(c, x));
+                (self.share[b], self.rest[b]) = (share, (1.0 - share) * grains.eta_2.data[c]);
+            }
         }
     }
 
@@ -111,7 +140,7 @@ impl Friction {
             let across = across.axpy(-dot(across, e), e);
             let area = wall.mu * mesh.mag_area[f];
             *force = force
-                .axpy(-area * dp.boundary_value(mesh, f), e)
+                .axpy(-area * self.share[f - mesh.n_inner] * dp.boundary_value(mesh, f), e)
                 .axpy(-area * p / distance, across);
         });
     }

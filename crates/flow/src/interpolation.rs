@@ -8,7 +8,7 @@
 //! condition makes of the cell's velocity.
 
 use crate::work::Work;
-use crate::{Flow, State};
+use crate::{Flow, Numerics, State, TwoPhase};
 use granflow_base::{Tensor, Value, Vec3, dot};
 use granflow_fv::{Convection, FaceField, Unknown, operators};
 use granflow_mesh::Mesh;
@@ -30,12 +30,10 @@ pub(crate) struct Interpolated<'a> {
     pub(crate) cells: &'a [Vec3],
     /// Its gradient where faces are skewed, 1/s.
     pub(crate) skewed: Option<&'a [Tensor]>,
-    /// The pressure and
-    pub(crate) p: &'a Unknown<f64>,
-    /// its gradient in cells and ghosts, Pa/m.
+    /// The pressure's gradient in cells and ghosts, Pa/m, and
     pub(crate) grad_p: &'a [Vec3],
-    /// The same where leaning faces are corrected.
-    pub(crate) corrected: Option<&'a [Vec3]>,
+    /// its normal derivative on faces.
+    pub(crate) dp_dn: &'a [f64],
     /// Velocity per pressure gradient on faces.
     pub(crate) mobility: &'a [f64],
 }
@@ -47,7 +45,7 @@ pub(crate) fn interpolated_flux(
     of: &Interpolated<'_>,
     phi: &mut FaceField<f64>,
 ) {
-    let Interpolated { u, cells, skewed, p, grad_p, corrected, mobility } = of;
+    let Interpolated { u, cells, skewed, grad_p, dp_dn, mobility } = of;
     operators::flux(exec, mesh, u, cells, phi);
     if let Some(gradient) = skewed {
         operators::add_skew_flux(exec, mesh, 1.0, gradient, phi);
@@ -69,8 +67,7 @@ pub(crate) fn interpolated_flux(
                     if open > 0.0 { open * dot(grad_p[o], mesh.area[f]) } else { 0.0 }
                 }
             };
-            let compact = operators::normal_derivative(mesh, p, *corrected, f);
-            *phi += mobility[f] * (wide - mesh.mag_area[f] * compact);
+            *phi += mobility[f] * (wide - mesh.mag_area[f] * dp_dn[f]);
         }
     });
 }
@@ -78,7 +75,8 @@ pub(crate) fn interpolated_flux(
 impl Flow {
     /// Mobilities of the momentum equation in cells and on faces.
     pub(crate) fn update_mobility(&mut self, dt: f64) {
-        let inertia = self.fluid.rho * self.ddt_coefficients(dt)[0] / dt;
+        let c0 = self.ddt_coefficients(dt)[0];
+        let two_fluids = self.two_phase.is_some();
         // A single pass takes the row as it is: its correction of the pressure has no second try.
         let share = if self.is_coupled() { WASHED_AWAY } else { 0.0 };
         let central = self.defers_convection() && self.numerics.convection == Convection::Linear;
@@ -107,21 +105,46 @@ impl Flow {
         });
         mesh.halo.update(exec, &mut w.r_a.data);
         mesh.halo.update(exec, &mut w.r_at.data);
-        operators::to_faces(exec, mesh, &w.r_at.data, &mut w.r_at_f);
-        let r_a = &w.r_a.data;
+        if two_fluids {
+            // As forces over density, which are smooth beside an interface.
+            let r_at = &w.r_at.data;
+            exec.for_each(&mut w.r_at_f.data, |first, out| {
+                for (i, r) in out.iter_mut().enumerate() {
+                    let f = first + i;
+                    let o = r_at[mesh.owner[f] as usize];
+                    *r = match mesh.neighbour.get(f) {
+                        Some(&n) => {
+                            let w = mesh.weight[f];
+                            1.0 / (w / o + (1.0 - w) / r_at[n as usize])
+                        }
+                        None => o,
+                    };
+                }
+            });
+        } else {
+            operators::to_faces(exec, mesh, &w.r_at.data, &mut w.r_at_f);
+        }
+        let (r_a, rho) = (&w.r_a.data, &w.rho.data);
         exec.for_each(&mut w.r_a_f.data, |first, out| {
+            let inertia = |c: u32| rho[c as usize] * c0 / dt;
             let steady = |c: u32| {
                 let one = r_a[c as usize];
-                one / (1.0 - inertia * one).max(1.0 / MOST_MOBILE)
+                one / (1.0 - inertia(c) * one).max(1.0 / MOST_MOBILE)
             };
             for (i, r) in out.iter_mut().enumerate() {
                 let f = first + i;
-                let rest = match mesh.neighbour.get(f) {
+                let o = mesh.owner[f];
+                let (rest, inertia) = match mesh.neighbour.get(f) {
                     Some(&n) => {
                         let w = mesh.weight[f];
-                        w * steady(mesh.owner[f]) + (1.0 - w) * steady(n)
+                        // Beside a fluid that hardly resists, what resists decides.
+                        let rest = match two_fluids {
+                            true => 1.0 / (w / steady(o) + (1.0 - w) / steady(n)),
+                            false => w * steady(o) + (1.0 - w) * steady(n),
+                        };
+                        (rest, inertia(o) + (1.0 - w) * (inertia(n) - inertia(o)))
                     }
-                    None => steady(mesh.owner[f]),
+                    None => (steady(o), inertia(o)),
                 };
                 *r = rest / (1.0 + inertia * rest);
             }
@@ -131,20 +154,19 @@ impl Flow {
     /// The flux of velocity and pressure as they stand, into the state.
     pub(crate) fn interpolate_flux_of_state(&mut self, dt: f64) {
         {
-            let Flow { exec, mesh, state, numerics, work: w, .. } = self;
-            numerics.gradient.of(exec, mesh, &state.p, &mut w.grad_p);
+            let Flow { exec, mesh, state, numerics, work: w, two_phase, .. } = self;
+            let two = two_phase.as_deref_mut();
+            w.slopes_of_pressure(exec, mesh, numerics, two, Slopes::Of(&state.p));
             let skewed = mesh.is_skewed();
             if skewed {
                 numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
             }
-            let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
             let of = Interpolated {
                 u: &state.u,
                 cells: &state.u.cells.data,
                 skewed: skewed.then_some(&w.grad_u[..]),
-                p: &state.p,
                 grad_p: &w.grad_p,
-                corrected: leaning.then_some(&w.grad_p[..]),
+                dp_dn: &w.dp_dn,
                 mobility: &w.r_a_f.data,
             };
             interpolated_flux(exec, mesh, &of, &mut state.phi);
@@ -159,7 +181,7 @@ impl Flow {
             let Flow { exec, mesh, state, numerics, work: w, .. } = self;
             let n = mesh.n_cells;
             w.u_eqn.jacobi(exec, &state.u.cells.data, &mut w.hby_a[..n]);
-            numerics.gradient.of(exec, mesh, &state.p, &mut w.grad_p);
+            w.slopes_of_pressure(exec, mesh, numerics, None, Slopes::Of(&state.p));
             // Of the velocity as it stands: hby_a has no conditions of its own.
             let skewed = mesh.is_skewed();
             if skewed {
@@ -173,14 +195,12 @@ impl Flow {
                 }
             });
             mesh.halo.update(exec, &mut w.hby_a);
-            let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
             let of = Interpolated {
                 u: &state.u,
                 cells: &w.hby_a,
                 skewed: skewed.then_some(&w.grad_u[..]),
-                p: &state.p,
                 grad_p: &w.grad_p,
-                corrected: leaning.then_some(&w.grad_p[..]),
+                dp_dn: &w.dp_dn,
                 mobility: &w.r_a_f.data,
             };
             interpolated_flux(exec, mesh, &of, &mut w.phi_star);
@@ -237,16 +257,60 @@ impl Flow {
     /// Adds to the flux what the old ones were ahead of the old velocities, as far as inertia holds
     /// it: from then on the steady flux is that of a mobility without inertia.
     fn add_memory(&mut self, dt: f64, of: impl Fn(&mut Flow) -> &mut FaceField<f64>) {
-        let per_step = self.fluid.rho / dt;
         let mut phi = std::mem::take(&mut of(self).data);
+        let mesh = &self.mesh;
+        let rho = self.two_phase.as_ref().map_or(&self.work.rho.data, |t| &t.work.rho_old.data);
         let (r_a_f, ahead) = (&self.work.r_a_f.data, &self.work.ahead.data);
         self.exec.for_each(&mut phi, |first, out| {
             for (i, phi) in out.iter_mut().enumerate() {
                 let f = first + i;
-                *phi += r_a_f[f] * per_step * ahead[f];
+                let o = rho[mesh.owner[f] as usize];
+                let rho = match mesh.neighbour.get(f) {
+                    Some(&n) => o + (1.0 - mesh.weight[f]) * (rho[n as usize] - o),
+                    None => o,
+                };
+                *phi += r_a_f[f] * (rho / dt) * ahead[f];
             }
         });
         of(self).data = phi;
+    }
+}
+
+/// The pressure that slopes are taken of.
+pub(crate) enum Slopes<'a> {
+    /// The state's, with what weight and surface tension ask of it where there are two fluids.
+    Of(&'a Unknown<f64>),
+    /// A change of it, `work.p_prime`.
+    OfChange,
+}
+
+impl Work {
+    /// Gradient of a pressure in cells and ghosts (`grad_p`) and its normal derivative on faces
+    /// (`dp_dn`): what drives the flow. With two fluids both are what the faces' forces leave of each
+    /// other.
+    pub(crate) fn slopes_of_pressure(
+        &mut self,
+        exec: &Exec,
+        mesh: &Mesh,
+        numerics: &Numerics,
+        two: Option<&mut TwoPhase>,
+        of: Slopes<'_>,
+    ) {
+        let Work { p_prime, grad_p, dp_dn, rho, .. } = self;
+        let (p, whole) = match of {
+            Slopes::Of(p) => (p, true),
+            Slopes::OfChange => (&*p_prime, false),
+        };
+        if let Some(two) = two {
+            return two.work.forces.slopes(exec, mesh, (p, &rho.data), (numerics.non_orthogonal, whole), (grad_p, dp_dn));
+        }
+        numerics.gradient.of(exec, mesh, p, grad_p);
+        let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
+        let corrected = leaning.then_some(&grad_p[..]);
+        exec.for_each(dp_dn, |first, out| {
+            let each = out.iter_mut().enumerate();
+            each.for_each(|(i, d)| *d = operators::normal_derivative(mesh, p, corrected, first + i));
+        });
     }
 }
 

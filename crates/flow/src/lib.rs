@@ -25,7 +25,7 @@ pub use state::{
     StepError, TimeScheme,
 };
 pub use step::{Derived, Flow};
-pub use two_phase::{Prescribed, TwoPhase, TwoPhaseParts};
+pub use two_phase::{Mixing, Pores, Prescribed, TwoPhase, TwoPhaseParts};
 
 use granflow_base::Value;
 use granflow_linsolve::{SolveError, Solved};

@@ -5,6 +5,7 @@
 //! with the transpose part in conservative form: explicit in the equation, part of the operator
 //! where momentum and continuity are solved together.
 
+use crate::interpolation::Slopes;
 use crate::{Flow, StepError, TimeScheme};
 use granflow_base::{Value, Vec3};
 use granflow_fv::{
@@ -34,15 +35,16 @@ impl Flow {
     pub(crate) fn assemble_momentum(&mut self, dt: f64) -> Result<(), StepError> {
         let c = self.ddt_coefficients(dt);
         self.explicit_momentum_flux();
-        let Flow { exec, mesh, state, numerics, work: w, .. } = self;
-        let inertia =
-            Ddt { rho: &w.rho, rho_old: &w.rho, old: &w.u_start, older: &state.u_old, dt, c };
+        let Flow { exec, mesh, state, numerics, work: w, two_phase, .. } = self;
+        let rho_old = two_phase.as_ref().map_or(&w.rho, |t| &t.work.rho_old);
+        let inertia = Ddt { rho: &w.rho, rho_old, old: &w.u_start, older: &state.u_old, dt, c };
         let momentum = ddt(inertia) + div(&w.rho_phi, &w.weights)
             - laplacian(&w.eta_f)
             - div_explicit(&w.explicit)
             - source(&w.body);
         w.u_eqn.assemble(exec, mesh, &state.u, &momentum)?;
-        numerics.gradient.of(exec, mesh, &state.p, &mut w.grad_p);
+        let two = two_phase.as_deref_mut();
+        w.slopes_of_pressure(exec, mesh, numerics, two, Slopes::Of(&state.p));
         let (b, grad_p, volume) = (&w.u_eqn.b, &w.grad_p, &mesh.volume);
         exec.for_each(&mut w.b, |first, out| {
             for (i, rhs) in out.iter_mut().enumerate() {
@@ -69,16 +71,18 @@ impl Flow {
     /// Everything of the momentum flux that is not in the matrix, into `work.explicit`.
     fn explicit_momentum_flux(&mut self) {
         let deferred = self.defers_convection();
-        let Flow { exec, mesh, state, numerics, work: w, fluid, .. } = self;
+        let Flow { exec, mesh, state, numerics, work: w, fluid, two_phase, .. } = self;
         let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
         if !fluid.rheology.is_constant() || leaning || numerics.convection.needs_gradient(mesh) {
             numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
         }
-        let rho = fluid.rho;
-        let phi = &state.phi.data;
-        exec.for_each(&mut w.rho_phi.data, |first, out| {
-            out.iter_mut().enumerate().for_each(|(i, m)| *m = rho * phi[first + i]);
-        });
+        if two_phase.is_none() {
+            let rho = fluid.rho;
+            let phi = &state.phi.data;
+            exec.for_each(&mut w.rho_phi.data, |first, out| {
+                out.iter_mut().enumerate().for_each(|(i, m)| *m = rho * phi[first + i]);
+            });
+        }
         if fluid.rheology.is_constant() {
             // div(eta (grad U)^T) = eta grad(div U) = 0: leaving it out keeps its rounding out too.
             w.explicit.data.fill([0.0; 3]);
@@ -121,11 +125,13 @@ impl Flow {
         w.friction.keep_normal(exec, mesh, &state.u, &mut w.explicit);
     }
 
-    /// Residual of momentum with the matrix as assembled: force imbalance over force. What the
+    /// Residual of momentum with the matrix as assembled: force imbalance over force, both by the density
+    /// they move where there are two fluids. What the
     /// rounding of the velocity alone can make of forces is no imbalance: where a plug is a hundred
     /// thousand times stiffer than what shears beside it, that can be more than is asked for.
     pub(crate) fn momentum_residual(&mut self) -> f64 {
-        let Flow { exec, mesh, state, work: w, .. } = self;
+        let Flow { exec, mesh, state, work: w, fluid, .. } = self;
+        let (rho, rho_1) = (&w.rho.data, fluid.rho);
         w.u_eqn.a.residual(exec, &w.b, &mut state.u.cells.data, &mut w.residual);
         let n = mesh.n_cells;
         keep_solved(exec, mesh, &mut w.residual);
@@ -136,17 +142,19 @@ impl Flow {
             for c in range {
                 let sum = w.u_eqn.row_sum[c];
                 let mut own = u[c].scaled(sum);
+                let light = rho_1 / rho[c];
+                let mut pulls = 0.0;
                 for k in a.ptr[c] as usize..a.ptr[c + 1] as usize {
                     let other = a.col[k] as usize;
                     let pull = u[other].minus(u[c]).scaled(a.val[k]);
-                    s[1] += 0.5 * pull.inner(pull).sqrt();
+                    pulls += 0.5 * pull.inner(pull).sqrt();
                 }
                 let wall = a.val[a.diag[c] as usize] + off_diagonal(a, c) - sum;
                 own = own.axpy(wall, u[c]);
                 let diagonal = a.val[a.diag[c] as usize].abs();
                 let rounding = ROUNDING * diagonal * u[c].inner(u[c]).sqrt();
-                s[0] += (r[c].inner(r[c]).sqrt() - rounding).max(0.0);
-                s[1] += own.inner(own).sqrt() + b[c].inner(b[c]).sqrt();
+                s[0] += light * (r[c].inner(r[c]).sqrt() - rounding).max(0.0);
+                s[1] += light * (pulls + own.inner(own).sqrt() + b[c].inner(b[c]).sqrt());
             }
             s
         });

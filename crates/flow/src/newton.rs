@@ -10,6 +10,7 @@
 //! Unconstrained Optimization (1983), section 6.3), and one of Kachanov's where no part of them
 //! does.
 
+use crate::two_phase::sparse;
 use crate::{Flow, StepError};
 use granflow_base::{Tensor, Value, Vec3, apply, dot, double_dot, symm};
 use granflow_fv::{FaceField, Reconstruction, Unknown, operators};
@@ -49,6 +50,8 @@ pub(crate) struct Newton {
     pressure: Vec<f64>,
     pub(crate) eta: Vec<f64>,
     slopes: Vec<[f64; 2]>,
+    /// `d eta/d ln eta_1` of the viscosity on faces, Pa s: that viscosity itself but where fluids mix.
+    pub(crate) response: Vec<f64>,
     /// `grad U + grad U^T` on the faces, 1/s, and its magnitude.
     face_strain: Vec<Tensor>,
     own_rate: Vec<f64>,
@@ -74,6 +77,7 @@ impl Newton {
             pressure: vec![0.0; faces],
             eta: vec![0.0; faces],
             slopes: vec![[0.0; 2]; faces],
+            response: vec![0.0; faces],
             face_strain: vec![[0.0; 9]; faces],
             own_rate: vec![0.0; faces],
             u: vec![[0.0; 3]; all],
@@ -111,7 +115,9 @@ impl Flow {
     /// with their neighbours ([`SHARED`]), and the pressure that their cells have in the mean. The
     /// cell gradients of velocity and `work.strain_rate` must be up to date.
     pub(crate) fn evaluate_law_on_faces(&mut self) {
-        let Flow { exec, mesh, state, work: w, fluid, gravity, .. } = self;
+        let Flow { exec, mesh, state, work: w, fluid, gravity, two_phase, .. } = self;
+        let grains = two_phase.as_ref().and_then(|t| t.work.grains.as_ref());
+        let pressure_of_cells = &w.pressure;
         let (u, p, gradient) = (&state.u, &state.p, &w.grad_u);
         let Newton { cell_rate, rate, pressure, eta, slopes, face_strain, own_rate, .. } =
             &mut w.newton;
@@ -124,7 +130,7 @@ impl Flow {
         let own_rate = &*own_rate;
         cell_rate[..mesh.n_cells].copy_from_slice(&w.strain_rate[..mesh.n_cells]);
         mesh.halo.update(exec, cell_rate);
-        let weight = granflow_base::scale(gravity.hydrostatic, fluid.rho);
+        let density = &w.rho.data;
         let cell_rate = &*cell_rate;
         exec.for_each2(rate, pressure, |first, rate, pressure| {
             for i in 0..rate.len() {
@@ -133,11 +139,16 @@ impl Flow {
                     Some(_) => SHARED * between(mesh, cell_rate, f) + (1.0 - SHARED) * own_rate[f],
                     None => own_rate[f],
                 };
-                let here = match mesh.neighbour.get(f) {
-                    Some(_) => between(mesh, &p.cells.data, f),
-                    None => p.boundary_value(mesh, f),
+                let (here, x) = (mesh.owner[f] as usize, mesh.face_centre[f]);
+                let weight = density[here] * dot(gravity.hydrostatic, x);
+                pressure[i] = match (mesh.neighbour.get(f), grains) {
+                    (Some(_), None) => between(mesh, &p.cells.data, f) + weight,
+                    (Some(_), Some(_)) => between(mesh, pressure_of_cells, f),
+                    (None, None) => p.boundary_value(mesh, f) + weight,
+                    (None, Some(grains)) => {
+                        p.boundary_value(mesh, f) + weight - grains.pore.at(here, x)
+                    }
                 };
-                pressure[i] = here + dot(weight, mesh.face_centre[f]);
             }
         });
         let points = Points { strain_rate: rate, pressure, density: fluid.rho };
@@ -211,7 +222,7 @@ impl Newton {
         mesh: &Mesh,
         reconstruction: &Reconstruction,
         (du, gradient): (&Unknown<Vec3>, &[Tensor]),
-        dp: &Unknown<f64>,
+        (dp, share): (&Unknown<f64>, Option<&[f64]>),
         stress: &mut FaceField<Vec3>,
     ) {
         let Newton { twice_strain, shares, cell_rate, change, d_rate, .. } = self;
@@ -230,7 +241,7 @@ impl Newton {
         });
         mesh.halo.update(exec, d_rate);
         let d_rate = &*d_rate;
-        let (rate, slopes, eta) = (&self.rate, &self.slopes, &self.eta);
+        let (rate, slopes, response) = (&self.rate, &self.slopes, &self.response);
         exec.for_each(&mut stress.data, |first, out| {
             for (i, t) in out.iter_mut().enumerate() {
                 let f = first + i;
@@ -242,9 +253,12 @@ impl Newton {
                 let own = self.own_rate[f].max(f64::MIN_POSITIVE);
                 let mut change = 0.5 * double_dot(&self.face_strain[f], &e) / own;
                 let dp = match mesh.neighbour.get(f) {
-                    Some(_) => {
+                    Some(&n) => {
                         change = SHARED * between(mesh, d_rate, f) + (1.0 - SHARED) * change;
-                        between(mesh, &dp.cells.data, f)
+                        let bears = |c: u32| share.is_none_or(|s| !sparse(s[c as usize]));
+                        let of = |c: u32| if bears(c) { dp.cells.data[c as usize] } else { 0.0 };
+                        let w = mesh.weight[f];
+                        w * of(mesh.owner[f]) + (1.0 - w) * of(n)
                     }
                     None => dp.boundary_value(mesh, f),
                 };
@@ -252,7 +266,7 @@ impl Newton {
                 if of_rate != 0.0 {
                     d_ln_eta += of_rate * change / rate[f];
                 }
-                *t = t.axpy(d_ln_eta * eta[f], apply(&self.face_strain[f], mesh.area[f]));
+                *t = t.axpy(d_ln_eta * response[f], apply(&self.face_strain[f], mesh.area[f]));
             }
         });
     }

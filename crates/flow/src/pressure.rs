@@ -183,12 +183,14 @@ impl Flow {
     /// Refreshes ghosts and closures of velocity and pressure.
     pub(crate) fn update_conditions(&mut self) {
         let Flow { exec, mesh, state, work: w, gravity, two_phase, .. } = self;
-        w.friction.press(mesh, &state.p, &w.rho.data, gravity.hydrostatic);
+        let grains = two_phase.as_ref().and_then(|t| t.work.grains.as_ref());
+        w.friction.press(mesh, &state.p, (&w.rho.data, gravity.hydrostatic), grains);
         let around = Surroundings {
             time: state.time,
             gravity: gravity.hydrostatic,
             density: &w.rho.data,
             wall_pressure: &w.friction.pressure,
+            wall_fluid: &w.friction.rest,
             slid: &w.friction.slid,
             wall_viscosity: &w.eta_f.data[mesh.n_inner..],
             ..Surroundings::default()

@@ -80,9 +80,6 @@ impl Flow {
             self.rest();
         }
         self.recall_viscosity(dt)?;
-        self.work.anderson.reset();
-        let constant = self.fluid.rheology.is_constant();
-        let outer = self.numerics.outer.max(1);
         let mut report = Report { time: self.state.time, dt, ..Report::default() };
         if !self.is_coupled() {
             self.give_up_if_asked()?;
@@ -97,6 +94,21 @@ impl Flow {
             self.end_step(dt, &mut report)?;
             return Ok(Some(report));
         }
+        self.iterate(dt, &mut report)?;
+        let lost = !report.converged && !is_sound(&report.residuals);
+        if lost && guess == Guess::Old && self.may_start_from_rest() {
+            return Ok(None);
+        }
+        self.end_coupled_step(dt, &mut report)?;
+        Ok(Some(report))
+    }
+
+    /// Outer passes on momentum, continuity and viscosity until the residuals of one and the same
+    /// state are small, or there is no hope. The viscosity has been recalled.
+    pub(crate) fn iterate(&mut self, dt: f64, report: &mut Report) -> Result<(), StepError> {
+        self.work.anderson.reset();
+        let constant = self.fluid.rheology.is_constant();
+        let outer = self.numerics.outer.max(1);
         report.coupled = true;
         let mut hope = Hope::default();
         for k in 0..=outer {
@@ -112,7 +124,7 @@ impl Flow {
                 report.residuals.p = self.continuity_residual();
                 constant
             } else {
-                self.measure(dt, constant, k == outer, &mut report)?
+                self.measure(dt, constant, k == outer, report)?
             };
             self.check_residuals(&report.residuals)?;
             self.work.residuals = report.residuals;
@@ -129,17 +141,21 @@ impl Flow {
             }
             report.outer = k + 1;
             let wanted = self.wanted_reduction(settled, &report.residuals);
-            self.correct(dt, wanted, k + 1 == outer, &mut report)?;
+            self.correct(dt, wanted, k + 1 == outer, report)?;
         }
-        let lost = !report.converged && !is_sound(&report.residuals);
-        if lost && guess == Guess::Old && self.may_start_from_rest() {
-            return Ok(None);
-        }
+        Ok(())
+    }
+
+    /// What carries is conserved, converged or not.
+    pub(crate) fn end_coupled_step(
+        &mut self,
+        dt: f64,
+        report: &mut Report,
+    ) -> Result<(), StepError> {
         if report.residuals.p > self.numerics.control.p {
             self.project_flux(report.residuals.p)?;
         }
-        self.end_step(dt, &mut report)?;
-        Ok(Some(report))
+        self.end_step(dt, report)
     }
 
     /// Evaluates the rheology at the flow as it stands, assembles momentum with what comes out,
@@ -316,6 +332,9 @@ impl Flow {
         state.phi.data.copy_from_slice(&w.phi_start);
         if let (Some(two), Some(alpha)) = (two_phase, &mut state.alpha) {
             alpha.cells.data.copy_from_slice(&two.work.alpha_start);
+            if let Some(grains) = &mut two.work.grains {
+                grains.share.copy_from_slice(&grains.share_old);
+            }
         }
         fluid.rheology.rollback();
     }
@@ -391,19 +410,20 @@ impl Flow {
     /// [`StepError`] when the rheology gives no viscosity.
     pub fn derived(&mut self) -> Result<Derived<'_>, StepError> {
         self.update_conditions();
-        if self.two_phase.is_some() {
+        if self.two_phase.is_some() && !self.has_grains_in_fluid() {
             self.mix_viscosity_of_fluids(self.state.dt_old.max(f64::MIN_POSITIVE))?;
         } else if self.work.fresh {
-            self.total_pressure();
+            self.total_pressure()?;
         } else {
             self.recall_viscosity(self.state.dt_old.max(f64::MIN_POSITIVE))?;
         }
         self.numerics.gradient.of(&self.exec, &self.mesh, &self.state.u, &mut self.work.grad_u);
         self.strain_rate_of_state();
-        let Flow { mesh, work: w, .. } = self;
+        let Flow { mesh, work: w, two_phase, .. } = self;
+        let eta = two_phase.as_ref().and_then(|t| t.viscosity()).unwrap_or(&w.eta.data);
         Ok(Derived {
             strain_rate: &w.strain_rate[..mesh.n_cells],
-            viscosity: &w.eta.data[..mesh.n_cells],
+            viscosity: &eta[..mesh.n_cells],
             viscosity_f: &w.eta_f.data,
             pressure: &w.pressure[..mesh.n_cells],
             gradient_u: &w.grad_u,

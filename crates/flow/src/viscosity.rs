@@ -1,5 +1,6 @@
 //! The viscosity of an outer iteration: from the flow to the rheology and back.
 
+use crate::two_phase::sparse;
 use crate::{Flow, StepError};
 use granflow_base::{Tensor, dot};
 use granflow_fv::{FaceField, operators};
@@ -17,8 +18,8 @@ const AT_REST: f64 = 1e-9;
 const ROUNDING: f64 = 1e-13;
 
 impl Flow {
-    /// Pressure between grains, P = p_rgh + rho G.x, Pa.
-    pub(crate) fn total_pressure(&mut self) {
+    /// Pressure between grains, P = p_rgh + rho G.x less what the fluid around them bears, Pa.
+    pub(crate) fn total_pressure(&mut self) -> Result<(), StepError> {
         let Flow { exec, mesh, state, work: w, gravity, .. } = self;
         let (p, rho, g) = (&state.p.cells.data, &w.rho.data, gravity.hydrostatic);
         exec.for_each(&mut w.pressure[..mesh.n_cells], |first, out| {
@@ -27,12 +28,15 @@ impl Flow {
                 *total = p[c] + rho[c] * dot(g, mesh.cell_centre[c]);
             }
         });
+        self.relieve_grains()?;
+        self.mesh.halo.update(&self.exec, &mut self.work.pressure);
+        Ok(())
     }
 
     /// The viscosity as the step begins: the rheology's own field if it has one, else the flow's
     /// present strain rate. A function of the state alone, so that a restart repeats it.
     pub(crate) fn recall_viscosity(&mut self, dt: f64) -> Result<(), StepError> {
-        self.total_pressure();
+        self.total_pressure()?;
         let time = self.state.time;
         let n = self.mesh.n_cells;
         // No viscosity yet: the strain rate comes from the velocity alone.
@@ -46,7 +50,9 @@ impl Flow {
                 strain_rate_of(exec, &w.grad_u, &mut w.strain_rate[..n]);
             }
         }
-        let Flow { exec, mesh, work: w, fluid, state, .. } = self;
+        self.evaluate_surrounding_fluid(dt)?;
+        let Flow { exec, mesh, work: w, fluid, state, two_phase, .. } = self;
+        let two = two_phase.as_deref();
         let view = FlowView {
             exec,
             mesh,
@@ -56,7 +62,8 @@ impl Flow {
             stress: None,
             pressure: &w.pressure,
             density: &w.rho.data,
-            flux: &state.phi,
+            flux: two.map_or(&state.phi, |t| t.vof.alpha_phi()),
+            share: two.and_then(|t| t.shares()),
         };
         if !fluid.rheology.recall(&view, &mut w.eta) {
             fluid
@@ -76,13 +83,15 @@ impl Flow {
     /// over the viscosity it was computed with, which is what keeps steep profiles exact (see
     /// [`granflow_fv::Reconstruction::viscous_stress`]).
     pub(crate) fn evaluate_rheology(&mut self, dt: f64) -> Result<RheologyInfo, StepError> {
-        self.total_pressure();
+        self.total_pressure()?;
         let time = self.state.time;
         let n = self.mesh.n_cells;
         let Flow { exec, mesh, work: w, state, numerics, .. } = self;
         numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
         self.strain_rate_of_state();
-        let Flow { exec, mesh, work: w, fluid, state, .. } = self;
+        self.evaluate_surrounding_fluid(dt)?;
+        let Flow { exec, mesh, work: w, fluid, state, two_phase, .. } = self;
+        let two = two_phase.as_deref();
         let (rate, eta) = (&w.strain_rate, &w.eta.data);
         exec.for_each(&mut w.tau[..n], |first, tau| {
             tau.iter_mut().enumerate().for_each(|(i, t)| *t = eta[first + i] * rate[first + i]);
@@ -98,7 +107,8 @@ impl Flow {
             stress: nonlocal.then_some(&w.tau[..]),
             pressure: &w.pressure,
             density: &w.rho.data,
-            flux: &state.phi,
+            flux: two.map_or(&state.phi, |t| t.vof.alpha_phi()),
+            share: two.and_then(|t| t.shares()),
         };
         let info = fluid
             .rheology
@@ -121,12 +131,18 @@ impl Flow {
         if self.has_newton() {
             return self.local_strain_rate();
         }
-        let Flow { exec, mesh, work: w, state, .. } = self;
+        let Flow { exec, mesh, work: w, state, two_phase, .. } = self;
         w.reconstruction.viscous_stress(exec, mesh, &state.u, &w.grad_u, &w.eta_f, &mut w.stress);
         let (stress, eta) = (&w.stress, &w.eta.data);
+        let grains = two_phase.as_ref().and_then(|t| t.work.grains.as_ref());
         exec.for_each(&mut w.strain_rate[..mesh.n_cells], |first, out| {
             for (i, rate) in out.iter_mut().enumerate() {
-                *rate = magnitude(&stress[first + i]) / eta[first + i];
+                let c = first + i;
+                let stress = magnitude(&stress[c]);
+                *rate = match grains {
+                    None => stress / eta[c],
+                    Some(grains) => grains.rate(c, stress, eta[c]),
+                };
             }
         });
     }
@@ -141,14 +157,29 @@ impl Flow {
     /// Ghosts and faces of `eta`.
     fn viscosity_to_faces(&mut self) {
         let (newton, constant) = (self.has_newton(), self.fluid.rheology.is_constant());
-        let Flow { exec, mesh, work: w, .. } = self;
+        let Flow { exec, mesh, work: w, two_phase, .. } = self;
         mesh.halo.update(exec, &mut w.eta.data);
+        let share = two_phase.as_ref().and_then(|t| t.share());
         if newton {
             w.eta_f.data.copy_from_slice(&w.newton.eta);
         } else {
-            viscosity_on_faces(exec, mesh, constant, &w.eta.data, &mut w.eta_f);
+            viscosity_on_faces(exec, mesh, (constant, share), &w.eta.data, &mut w.eta_f);
         }
         self.press_faces();
+        let Flow { exec, mesh, work: w, two_phase, .. } = self;
+        let grains = two_phase.as_mut().and_then(|t| t.work.grains.as_mut());
+        if let Some(grains) = grains {
+            grains.mix(exec, mesh, &w.eta.data, &mut w.eta_f);
+            if newton {
+                let (eta, response) = (&w.eta_f.data, &grains.response);
+                exec.for_each(&mut w.newton.response, |first, out| {
+                    let each = out.iter_mut().enumerate();
+                    each.for_each(|(i, r)| *r = eta[first + i] * response[first + i]);
+                });
+            }
+        } else if newton {
+            w.newton.response.copy_from_slice(&w.newton.eta);
+        }
         self.viscosity_meets_walls();
     }
 
@@ -206,17 +237,21 @@ impl Flow {
     /// geometric mean of g: both exact where the weight of grains makes P and creep makes g. The
     /// geometric mean of eta alone lacks 13 % on the face below a free surface, where P is zero.
     fn press_faces(&mut self) {
-        let Flow { exec, mesh, work: w, fluid, .. } = self;
+        let Flow { exec, mesh, work: w, fluid, two_phase, .. } = self;
         let nonlocal = !fluid.rheology.is_local();
         let Some(loose) = fluid.rheology.grains().filter(|_| nonlocal).map(|g| g.loose()) else {
             return;
         };
-        mesh.halo.update(exec, &mut w.pressure);
+        let share = two_phase.as_ref().and_then(|t| t.share());
+        let apart = |c: u32| share.is_some_and(|s| sparse(s[c as usize]));
         let pressure = &w.pressure;
         exec.for_each(&mut w.eta_f.data[..mesh.n_inner], |first, eta| {
             for (i, eta) in eta.iter_mut().enumerate() {
                 let f = first + i;
                 let [o, n] = [mesh.owner[f], mesh.neighbour[f]];
+                if apart(o) || apart(n) {
+                    continue;
+                }
                 let r = pressure[n as usize].max(loose) / pressure[o as usize].max(loose);
                 if r != 1.0 {
                     let w = mesh.weight[f];
@@ -241,7 +276,7 @@ pub(crate) fn strain_rate_of(exec: &Exec, gradient: &[Tensor], out: &mut [f64]) 
 fn viscosity_on_faces(
     exec: &Exec,
     mesh: &Mesh,
-    constant: bool,
+    (constant, share): (bool, Option<&[f64]>),
     eta: &[f64],
     out: &mut FaceField<f64>,
 ) {
@@ -252,7 +287,11 @@ fn viscosity_on_faces(
         for (i, v) in out.iter_mut().enumerate() {
             let f = first + i;
             let o = eta[mesh.owner[f] as usize];
+            let apart = |c: u32| share.is_some_and(|s| sparse(s[c as usize]));
             *v = match mesh.neighbour.get(f) {
+                // Beside a cell without the material it is that of the cell with it.
+                Some(&n) if apart(mesh.owner[f]) => eta[n as usize],
+                Some(&n) if apart(n) => o,
                 Some(&n) => {
                     let (w, n) = (mesh.weight[f], eta[n as usize]);
                     // A ratio, so that equal neighbours give their value to the bit.

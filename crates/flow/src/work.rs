@@ -44,6 +44,8 @@ pub(crate) struct Work {
     pub(crate) weights: FaceField<f64>,
     pub(crate) grad_u: Vec<Tensor>,
     pub(crate) grad_p: Vec<Vec3>,
+    /// Normal derivative of the pressure on faces.
+    pub(crate) dp_dn: Vec<f64>,
     pub(crate) stress: Vec<Tensor>,
     pub(crate) strain_rate: Vec<f64>,
     /// Magnitude of `stress`.
@@ -116,6 +118,7 @@ impl Work {
             weights: FaceField::new(m, "weights", Dims::NONE, 0.0),
             grad_u: vec![[0.0; 9]; cells],
             grad_p: vec![[0.0; 3]; cells],
+            dp_dn: vec![0.0; m.n_faces()],
             stress: vec![[0.0; 9]; cells],
             strain_rate: vec![0.0; cells],
             tau: vec![0.0; cells],

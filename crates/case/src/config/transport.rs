@@ -3,6 +3,7 @@
 use crate::{CaseError, Notices, files};
 use granflow_base::Dims;
 use granflow_dict::{Diag, Dict, Entry, Reader, Severity, Sink, Value};
+use granflow_flow::{Mixing, Pores};
 use granflow_linsolve::{SolverSpec, Tolerance, build};
 use granflow_mesh::{Mesh, shapes};
 use granflow_par::Exec;
@@ -36,6 +37,10 @@ pub struct SecondPhase {
     pub names: [String; 2],
     /// Surface tension, N/m.
     pub sigma: f64,
+    /// How the viscosities mix.
+    pub mixing: Mixing,
+    /// What is between the grains, where the first phase is made of them.
+    pub pores: Pores,
     /// The second one.
     pub transport: Transport,
 }
@@ -120,19 +125,26 @@ impl Transport {
                 at.positive("rho", Dims::DENSITY);
             }
             let phase = Transport::checked(dict, sink);
-            if phase.grains.is_some() {
-                let message =
-                    format!("`{}` beside a second phase is not supported yet", phase.model);
-                let help = "granular models need the pressure between grains, measured from the \
-                            interface";
-                sub.error_at_key("transportModel", message, "a granular model", Some(help));
+            if phase.grains.is_some() && name == second {
+                let message = format!("`{}` is a model of grains, which come first", phase.model);
+                let help = format!("write `phases ({second} {first});`, with the fraction `alpha.{second}`");
+                sub.error_at_key("transportModel", message, "the second phase", Some(&help));
             }
             phase
         };
         let (one, two) = (phase(first), phase(second));
+        let granular = one.grains.is_some();
+        let usual = if granular { Mixing::Harmonic } else { Mixing::Arithmetic };
+        let mixing = r.opt_one_of("mixing", Mixing::ALL, usual);
+        let pores = if granular {
+            r.opt_one_of("pores", Pores::ALL, Pores::Dry)
+        } else {
+            Pores::Dry
+        };
         r.finish(Severity::Warning);
         let names = [first.to_owned(), second.to_owned()];
-        Transport { second: Some(Box::new(SecondPhase { names, sigma, transport: two })), ..one }
+        let second = SecondPhase { names, sigma, mixing, pores, transport: two };
+        Transport { second: Some(Box::new(second)), ..one }
     }
 
     /// Reads everything once, on a mesh of one cell: every mistake shows whatever the mesh is.

@@ -59,14 +59,20 @@ impl FaceForces {
     /// The imbalance of the pressure `p` on every face; none where the velocity is given.
     /// `limit` as for [`granflow_fv::operators::non_orthogonal_flux`].
     pub(crate) fn balance(&mut self, exec: &Exec, mesh: &Mesh, p: &Unknown<f64>, limit: f64) {
+        self.balance_jumps(exec, mesh, p, limit, 1.0);
+    }
+
+    /// The same with `share` of the jumps that weight and surface tension ask for.
+    fn balance_jumps(&mut self, exec: &Exec, mesh: &Mesh, p: &Unknown<f64>, limit: f64, share: f64) {
         let FaceForces { jump, imbalance, open, gradient, fit, .. } = self;
         let (jump, open) = (&jump.data, &open[..]);
+        let jump = |f: usize| share * jump[f];
         let difference = |f: usize| {
             let o = mesh.owner[f] as usize;
             match mesh.neighbour.get(f) {
-                Some(&n) => p.cells.data[n as usize] - p.cells.data[o] - jump[f],
+                Some(&n) => p.cells.data[n as usize] - p.cells.data[o] - jump(f),
                 None if open[f - mesh.n_inner] => {
-                    p.boundary_value(mesh, f) - p.cells.data[o] - jump[f]
+                    p.boundary_value(mesh, f) - p.cells.data[o] - jump(f)
                 }
                 None => 0.0,
             }
@@ -116,12 +122,39 @@ impl FaceForces {
         });
     }
 
-    /// The vector in cell `c` whose normal parts are `imbalance` on its faces, Pa/m.
+    /// What drives cells (ghosts included) and faces: the imbalance of a pressure (`whole`), or of a
+    /// change of it.
+    pub(crate) fn slopes(
+        &mut self,
+        exec: &Exec,
+        mesh: &Mesh,
+        (p, rho): (&Unknown<f64>, &[f64]),
+        (limit, whole): (f64, bool),
+        (cells, faces): (&mut [Vec3], &mut [f64]),
+    ) {
+        self.balance_jumps(exec, mesh, p, limit, if whole { 1.0 } else { 0.0 });
+        faces.copy_from_slice(&self.imbalance);
+        let forces = &*self;
+        exec.for_each(&mut cells[..mesh.n_cells], |first, out| {
+            out.iter_mut().enumerate().for_each(|(i, g)| *g = forces.in_cell(mesh, rho, first + i));
+        });
+        mesh.halo.update(exec, cells);
+    }
+
+    /// The force on cell `c`, Pa/m: its density times the vector whose normal parts are `imbalance/rho` on
+    /// its faces. Beside an interface accelerations are smooth and forces are not: the mean of the forces
+    /// would drive a cell of air with what moves the water (S. Popinet, J. Comput. Phys. 228 (2009) 5838,
+    /// section 4). Without inertia this gives the face the pressure of the lighter fluid, which is right too.
     #[inline]
-    pub(crate) fn in_cell(&self, mesh: &Mesh, c: usize) -> Vec3 {
+    pub(crate) fn in_cell(&self, mesh: &Mesh, rho: &[f64], c: usize) -> Vec3 {
         let mut sum = [0.0; 3];
         for (f, _) in mesh.faces_of(c) {
-            sum = sum.axpy(self.imbalance[f], mesh.area[f]);
+            let o = rho[mesh.owner[f] as usize];
+            let on_face = match mesh.neighbour.get(f) {
+                Some(&n) => o + (1.0 - mesh.weight[f]) * (rho[n as usize] - o),
+                None => o,
+            };
+            sum = sum.axpy(self.imbalance[f] * (rho[c] / on_face), mesh.area[f]);
         }
         self.rebuilt(c, sum)
     }

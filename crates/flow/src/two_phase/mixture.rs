@@ -45,7 +45,7 @@ impl Flow {
     /// Viscosity of each fluid at the strain rate as it stands, mixed in the cells and linear
     /// between them.
     pub(crate) fn mix_viscosity_of_fluids(&mut self, dt: f64) -> Result<(), StepError> {
-        self.total_pressure();
+        self.total_pressure()?;
         let time = self.state.time;
         let Flow { exec, mesh, state, work: w, fluid, two_phase, numerics, .. } = self;
         let (Some(two), Some(alpha)) = (two_phase, &state.alpha) else { return Ok(()) };
@@ -64,6 +64,7 @@ impl Flow {
             pressure: &w.pressure,
             density: &w.rho.data,
             flux: &state.phi,
+            share: None,
         };
         let failed = |source| StepError::Rheology { time, source };
         fluid.rheology.update(&view, &mut w.eta).map_err(failed)?;

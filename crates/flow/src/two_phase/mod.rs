@@ -8,14 +8,19 @@
 //! 572). So what balances on the faces moves no cell, on any mesh.
 
 mod face_forces;
+mod grains;
 mod level;
+mod mixing;
 mod mixture;
 mod momentum;
+mod pore;
 mod prescribed;
 mod pressure;
 mod step;
 mod surface_tension;
 
+pub use mixing::Mixing;
+pub use pore::Pores;
 pub use prescribed::Prescribed;
 
 use crate::vof::{Corners, Vof, VofReport};
@@ -24,7 +29,9 @@ use granflow_base::{Dims, Vec3};
 use granflow_fv::{CellField, FaceField, Unknown};
 use granflow_mesh::{Mesh, PolyMesh};
 use granflow_par::Exec;
+use granflow_linsolve::LinearSolver;
 use granflow_physics::Rheology;
+pub(crate) use grains::{Grains, sparse};
 use level::Levels;
 use surface_tension::SurfaceTension;
 
@@ -42,6 +49,12 @@ pub struct TwoPhase {
     pub reference_pressure: f64,
     /// How the volume fraction moves.
     pub vof: Vof,
+    /// How viscosities mix.
+    pub mixing: Mixing,
+    /// What is between the grains, where fluid 1 is made of them.
+    pub pores: Pores,
+    /// Solver for the pressure there.
+    pub pore_solver: Option<Box<dyn LinearSolver<f64>>>,
     /// The flow, where it is given (and frozen otherwise).
     pub prescribed: Option<Prescribed>,
     pub(crate) work: TwoPhaseWork,
@@ -57,6 +70,8 @@ pub(crate) struct TwoPhaseWork {
     /// Flux of the velocity that momentum gives without pressure and forces on faces, m3/s.
     pub(crate) base: FaceField<f64>,
     pub(crate) vof: VofReport,
+    /// Where fluid 1 is made of grains.
+    pub(crate) grains: Option<Grains>,
 }
 
 impl TwoPhaseWork {
@@ -81,6 +96,12 @@ pub struct TwoPhaseParts {
     pub reference_pressure: f64,
     /// See [`TwoPhase::vof`].
     pub vof: Vof,
+    /// See [`TwoPhase::mixing`].
+    pub mixing: Mixing,
+    /// See [`TwoPhase::pores`].
+    pub pores: Pores,
+    /// See [`TwoPhase::pore_solver`]; without one, fluid 1 must not be granular.
+    pub pore_solver: Option<Box<dyn LinearSolver<f64>>>,
 }
 
 impl TwoPhase {
@@ -94,7 +115,8 @@ impl TwoPhase {
         gravity: Vec3,
         parts: TwoPhaseParts,
     ) -> TwoPhase {
-        let TwoPhaseParts { rho_2, rheology_2, sigma, frozen, reference_pressure, vof } = parts;
+        let TwoPhaseParts { rho_2, rheology_2, sigma, frozen, reference_pressure, vof, .. } = parts;
+        let (mixing, pores, pore_solver) = (parts.mixing, parts.pores, parts.pore_solver);
         let work = TwoPhaseWork {
             alpha_start: vec![0.0; mesh.n_all()],
             rho_old: CellField::new(mesh, "rho", Dims::DENSITY, 0.0),
@@ -103,6 +125,7 @@ impl TwoPhase {
             tension: SurfaceTension::new(exec, mesh),
             base: FaceField::new(mesh, "phiHbyA", Dims::VOLUME_FLUX, 0.0),
             vof: VofReport::default(),
+            grains: None,
         };
         TwoPhase {
             rho_2,
@@ -111,6 +134,9 @@ impl TwoPhase {
             frozen,
             reference_pressure,
             vof,
+            mixing,
+            pores,
+            pore_solver,
             prescribed: None,
             work,
         }

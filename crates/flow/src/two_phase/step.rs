@@ -9,7 +9,11 @@ impl Flow {
     #[must_use]
     pub fn with_second_fluid(mut self, two: crate::TwoPhase) -> Flow {
         self.two_phase = Some(Box::new(two));
+        self.prepare_grains();
         self.refresh_mixture();
+        // An equation that is not written wrongly does not fail.
+        let placed = self.place_grains();
+        debug_assert!(placed.is_ok());
         self.prescribe(self.state.time);
         self.update_conditions();
         self
@@ -33,6 +37,9 @@ impl Flow {
         if let (Some(two), Some(alpha)) = (&mut self.two_phase, &self.state.alpha) {
             two.work.alpha_start.copy_from_slice(&alpha.cells.data);
             two.work.rho_old.data.copy_from_slice(&self.work.rho.data);
+        }
+        if self.has_grains_in_fluid() {
+            return self.advance_grains_in_fluid(dt);
         }
         // In the middle of the step, for second order.
         self.prescribe(self.state.time - 0.5 * dt);
@@ -70,6 +77,32 @@ impl Flow {
         report.residuals.p = self.continuity_residual();
         report.vof = self.two_phase.as_ref().map(|t| t.work.vof);
         self.end_step(dt, &mut report)?;
+        Ok(report)
+    }
+
+    /// Grains beside another fluid: the interface moves once, then momentum, continuity, viscosity and
+    /// the friction of walls are solved together as they are without it. Between creep and the other
+    /// fluid viscosities differ by ten decades, and stress follows pressure: corrections of the pressure
+    /// alone (PISO) grow.
+    fn advance_grains_in_fluid(&mut self, dt: f64) -> Result<Report, StepError> {
+        let mut report = Report { time: self.state.time, dt, ..Report::default() };
+        if let Some(grains) = self.two_phase.as_mut().and_then(|t| t.work.grains.as_mut()) {
+            grains.share_old.copy_from_slice(&grains.share);
+        }
+        self.give_up_if_asked()?;
+        self.move_interface(dt, false)?;
+        report.vof = self.two_phase.as_ref().map(|t| t.work.vof);
+        if self.two_phase.as_ref().is_some_and(|t| t.frozen) {
+            self.end_step(dt, &mut report)?;
+            return Ok(report);
+        }
+        self.place_grains()?;
+        self.mix_mass_flux();
+        self.update_face_forces();
+        self.update_conditions();
+        self.recall_viscosity(dt)?;
+        self.iterate(dt, &mut report)?;
+        self.end_coupled_step(dt, &mut report)?;
         Ok(report)
     }
 

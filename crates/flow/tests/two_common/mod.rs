@@ -116,6 +116,9 @@ impl Two<'_> {
             frozen: false,
             reference_pressure: 0.0,
             vof,
+            mixing: Mixing::default(),
+            pores: Pores::default(),
+            pore_solver: None,
         };
         let two = TwoPhase::new(&exec, self.poly, &m, &p, self.gravity, parts);
         let state = State {

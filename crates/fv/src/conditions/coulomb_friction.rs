@@ -42,10 +42,17 @@ impl Condition<Vec3> for CoulombFriction {
             // Without a viscosity there is no traction yet.
             let held = at(around.wall_viscosity, i) * view.inv_dist[i];
             let limit = self.mu * at(around.wall_pressure, i).max(0.0);
+            // What fills the rest of the face sticks to the wall.
+            let stuck = if held > 0.0 {
+                (at(around.wall_fluid, i) * view.inv_dist[i] / held).min(1.0)
+            } else {
+                0.0
+            };
             let slid = around.slid.get(first + i).copied().unwrap_or_default();
-            let slides = held * distance > limit && dot(apart, slid) >= 0.0;
+            let slides = (1.0 - stuck) * held * distance > limit && dot(apart, slid) >= 0.0;
             (closure.offset[i], closure.slope[i], closure.normal[i]) = if slides {
-                (scale(apart, -limit / (held * distance)), 1.0, 1.0)
+                let drag = scale(apart, -limit / (held * distance));
+                (drag.axpy(stuck, wall), 1.0 - stuck, 1.0 - stuck)
             } else {
                 (wall, 0.0, 0.0)
             };

@@ -106,6 +106,8 @@ pub struct Surroundings<'a> {
     pub wall_pressure: &'a [f64],
     /// Viscosity there, Pa s.
     pub wall_viscosity: &'a [f64],
+    /// Viscosity of a fluid that fills part of a face, times that part, Pa s; empty where none does.
+    pub wall_fluid: &'a [f64],
     /// Which way boundary faces slid in the last pass of an iteration (any length; zero: not at
     /// all); empty outside of one.
     pub slid: &'a [Vec3],

@@ -34,7 +34,7 @@ pub(super) fn beyond(v: &FlowView<'_>, grains: &Granular) -> Option<Beyond> {
     let inertial = |c: usize| grains.inertial_number(v.strain_rate[c], v.pressure[c]);
     let mu = |c: usize| {
         let p = v.pressure[c];
-        if p <= loose {
+        if p <= loose || v.share(c) < 0.5 {
             return 0.0;
         }
         let (carried, local) = (v.stress.map_or(0.0, |s| s[c] / p), grains.mu(inertial(c)));

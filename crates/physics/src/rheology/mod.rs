@@ -117,11 +117,38 @@ pub struct FlowView<'a> {
     pub pressure: &'a [f64],
     /// Density, kg/m3.
     pub density: &'a [f64],
-    /// Volume flux through the faces, m3/s.
+    /// Volume flux of the material through the faces, m3/s.
     pub flux: &'a FaceField<f64>,
+    /// How much of each cell is this material, where it shares the space with another; else all.
+    pub share: Option<Share<'a>>,
+}
+
+/// Share of a material in the cells, from 0 to 1. What lives in the material alone (a fluidity) has
+/// no flux through its surface: volumes count by their share, faces by that of both their cells.
+#[derive(Clone, Copy, Debug)]
+pub struct Share<'a> {
+    /// Now, cells and ghosts.
+    pub now: &'a [f64],
+    /// At the beginning of the step.
+    pub old: &'a [f64],
+}
+
+impl Share<'_> {
+    /// Less of a cell than this is none: what so little material does has no weight in the mixture.
+    pub const NONE: f64 = 1e-3;
 }
 
 impl FlowView<'_> {
+    /// The material's share of cell or ghost `c`.
+    #[inline]
+    pub fn share(&self, c: usize) -> f64 {
+        self.share.map_or(1.0, |s| s.now[c])
+    }
+    /// Whether there is any of the material in cell or ghost `c`.
+    #[inline]
+    pub fn has(&self, c: usize) -> bool {
+        self.share(c) >= Share::NONE
+    }
     /// The flow in cell `c`.
     pub fn point(&self, c: usize) -> Point {
         Point {

@@ -39,6 +39,21 @@ pub(super) struct Local {
     pub(super) imbalance: f64,
 }
 
+impl Local {
+    /// Where there are no grains: an equation whose solution does not matter.
+    pub(super) const NOTHING: Local = Local { k: 0.0, slope: 1.0, size: 1.0, imbalance: 0.0 };
+
+    /// The terms of this share of a cell.
+    pub(super) fn scaled(self, share: f64) -> Local {
+        Local {
+            k: share * self.k,
+            slope: share * self.slope,
+            size: share * self.size,
+            imbalance: self.imbalance,
+        }
+    }
+}
+
 impl Law {
     /// Local fluidity, paper eq. 4 with `r = sqrt(P/rho_s)/d`, 1/s.
     pub fn g_loc(&self, mu: f64, r: f64) -> f64 {

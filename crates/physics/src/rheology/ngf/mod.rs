@@ -23,7 +23,7 @@ pub use law::{Form, Law};
 use self::law::Local;
 use self::spread::InnerFit;
 use super::beyond::beyond;
-use super::{Entry, FlowView, FluidContext, Granular, Rheology, RheologyError, RheologyInfo};
+use super::{Entry, FlowView, FluidContext, Granular, Rheology, RheologyError, RheologyInfo, Share};
 use granflow_base::Dims;
 use granflow_dict::Reader;
 use granflow_fv::conditions::ZeroGradient;
@@ -55,7 +55,8 @@ pub struct Ngf {
     known: bool,
     numerics: NgfNumerics,
     eqn: Equation<f64>,
-    one: FaceField<f64>,
+    /// Share of the faces through which the fluidity spreads: 1 but beside another fluid.
+    spreads: FaceField<f64>,
     carried: FaceField<f64>,
     upwind: FaceField<f64>,
     /// The linear part, `-lap g + t0/(A d)^2 div(phi g)`: values and right-hand side.
@@ -102,14 +103,17 @@ impl Balance<'_> {
         v.exec.for_each(terms, |first, out| {
             for (i, t) in out.iter_mut().enumerate() {
                 let c = first + i;
-                *t = self.law.cell_mean(
-                    g[c],
-                    self.g_old[c],
-                    self.rate[c],
-                    self.spread[c],
-                    self.local[c],
-                    v.dt,
-                );
+                if !v.has(c) {
+                    *t = Local::NOTHING;
+                    continue;
+                }
+                // What enters or leaves with the surface of the grains counts as carried.
+                let g_old = v.share.map_or(1.0, |s| s.old[c] / s.now[c]) * self.g_old[c];
+                let [rate, spread, local] = [self.rate[c], self.spread[c], self.local[c]];
+                *t = self.law.cell_mean(g[c], g_old, rate, spread, local, v.dt);
+                if v.share.is_some() {
+                    *t = t.scaled(v.share(c));
+                }
                 // A g - b of the linear part, and the size of its terms.
                 let (mut sum, mut size) = (-self.linear_b[c], self.linear_b[c].abs());
                 for k in a.ptr[c] as usize..a.ptr[c + 1] as usize {
@@ -171,7 +175,7 @@ impl Ngf {
             numerics,
             linear: vec![0.0; eqn.a.val.len()],
             eqn,
-            one: FaceField::new(mesh, "1", Dims::NONE, 1.0),
+            spreads: FaceField::new(mesh, "share", Dims::NONE, 1.0),
             carried: FaceField::new(mesh, "t0 phi", Dims::LENGTH, 0.0),
             upwind: FaceField::new(mesh, "upwind", Dims::NONE, 1.0),
             linear_b: vec![0.0; n],
@@ -214,6 +218,7 @@ impl Ngf {
             for (i, b) in b.iter_mut().enumerate() {
                 let c = first + i;
                 let unit = 1.0 / (volume[c] * trial[c]);
+                let q = if v.has(c) { q * v.share(c) } else { q };
                 for k in ptr[c] as usize..ptr[c + 1] as usize {
                     let sink = if k == diag[c] as usize { q * volume[c] } else { 0.0 };
                     val[k - base] = (linear[k] + sink) * trial[col[k] as usize] * unit;
@@ -346,7 +351,7 @@ impl Ngf {
             }
         });
         v.mesh.halo.update(v.exec, &mut self.mu);
-        self.fit.spread(v.exec, v.mesh, &self.mu, &mut self.spread);
+        self.fit.spread(v, &self.mu, &mut self.spread);
     }
 
     /// The linear part of the equation with the conditions of g, and the local rates.
@@ -363,6 +368,7 @@ impl Ngf {
             }
         });
         self.measure_spread(v);
+        self.enclose(v);
         let (law, mu, local) = (self.law, &self.mu, &self.local);
         v.exec.for_each(&mut self.trial[..n], |first, g| {
             let each = g.iter_mut().enumerate();
@@ -375,21 +381,22 @@ impl Ngf {
         };
         self.g.update(v.exec, v.mesh, &around, Some(v.flux));
         let lhs: Terms<'_, f64> = match self.law.form {
-            Form::Steady => -laplacian(&self.one),
+            Form::Steady => -laplacian(&self.spreads),
             Form::Primitive { t0 } => {
                 let k = t0 / (self.law.a * self.law.grains.d).powi(2);
-                let flux = &v.flux.data;
+                let (flux, spreads) = (&v.flux.data, &self.spreads.data);
                 v.exec.for_each2(
                     &mut self.carried.data,
                     &mut self.upwind.data,
                     |first, carried, weight| {
                         for i in 0..carried.len() {
-                            carried[i] = k * flux[first + i];
+                            let inside = spreads[first + i] > 0.0;
+                            carried[i] = if inside { k * flux[first + i] } else { 0.0 };
                             weight[i] = if flux[first + i] >= 0.0 { 1.0 } else { 0.0 };
                         }
                     },
                 );
-                -laplacian(&self.one) + div(&self.carried, &self.upwind)
+                -laplacian(&self.spreads) + div(&self.carried, &self.upwind)
             }
         };
         self.eqn.assemble(v.exec, v.mesh, &self.g, &lhs)?;
@@ -398,12 +405,43 @@ impl Ngf {
         Ok(())
     }
 
-    /// Viscosity, paper eq. 1: `eta = P/g`.
+    /// The fluidity lives in the grains: no flux of it through their surface. A face counts by
+    /// the harmonic mean of its cells' shares, which vanishes with either, so that the equation of a
+    /// cell that grains fill in part is that of the part (the diffuse domain of X. Li, J. Lowengrub,
+    /// A. Raetz, A. Voigt, Commun. Math. Sci. 7 (2009) 81).
+    fn enclose(&mut self, v: &FlowView<'_>) {
+        let Some(share) = v.share else { return };
+        v.exec.for_each(&mut self.spreads.data, |first, out| {
+            for (i, spreads) in out.iter_mut().enumerate() {
+                let f = first + i;
+                let o = share.now[v.mesh.owner[f] as usize];
+                let n = v.mesh.neighbour.get(f).map_or(o, |&n| share.now[n as usize]);
+                *spreads = if o.min(n) < Share::NONE { 0.0 } else { 2.0 * o * n / (o + n) };
+            }
+        });
+    }
+
+    /// Where there are no grains there is no fluidity.
+    fn leave_the_rest(&mut self, v: &FlowView<'_>) {
+        if v.share.is_none() {
+            return;
+        }
+        v.exec.for_each(&mut self.g.cells.data, |first, g| {
+            for (i, g) in g.iter_mut().enumerate() {
+                if !v.has(first + i) {
+                    *g = 0.0;
+                }
+            }
+        });
+    }
+
+    /// Viscosity, paper eq. 1: `eta = P/g`; none where there are no grains.
     fn viscosity(&self, v: &FlowView<'_>, eta: &mut CellField<f64>) {
         let (g, loose, pressure) = (&self.g.cells.data, self.law.grains.loose(), v.pressure);
         v.exec.for_each(&mut eta.data[..v.mesh.n_cells], |first, out| {
             for (i, eta) in out.iter_mut().enumerate() {
-                *eta = pressure[first + i].max(loose) / g[first + i];
+                let c = first + i;
+                *eta = if v.has(c) { pressure[c].max(loose) / g[c] } else { 0.0 };
             }
         });
     }
@@ -437,6 +475,7 @@ impl Rheology for Ngf {
         if first {
             self.g_old.copy_from_slice(&self.g.cells.data);
         }
+        self.leave_the_rest(v);
         info.beyond = beyond(v, &self.law.grains);
         self.known = true;
         self.viscosity(v, eta);
@@ -455,7 +494,7 @@ impl Rheology for Ngf {
         }
     }
     fn recall(&mut self, v: &FlowView<'_>, eta: &mut CellField<f64>) -> bool {
-        let positive = self.known || self.g.cells.data[..v.mesh.n_cells].iter().all(|g| *g > 0.0);
+        let positive = self.known || (0..v.mesh.n_cells).all(|c| self.g.cells.data[c] > 0.0 || !v.has(c));
         let mut everywhere = [if positive { 0.0 } else { 1.0 }];
         v.exec.comm().max(&mut everywhere);
         self.known = everywhere[0] == 0.0;

@@ -1,0 +1,238 @@
+//! Grains beside another fluid: where they are, the pressure between them, and the viscosity of what is
+//! mixed.
+//!
+//! The rheology of the grains sees the grains alone: their share of the cells, and the pressure that they
+//! bear, `P = p_rgh + rho G.x - p_pore` ([`super::pore`]). What it says is `eta_1`; momentum has the
+//! mixture's viscosity ([`super::mixing`]).
+
+use super::TwoPhase;
+use super::mixing::{Mixing, parallel, series};
+use super::pore::{PorePressure, Pores};
+use crate::{Flow, StepError};
+use granflow_base::{Dims, Value, Vec3, dot};
+use granflow_fv::{CellField, FaceField, Gradient, Unknown};
+use granflow_mesh::Mesh;
+use granflow_par::Exec;
+use granflow_physics::rheology::{FlowView, Share};
+
+/// Whether a cell has too little of the grains to count.
+#[inline]
+pub(crate) fn sparse(share: f64) -> bool {
+    share < Share::NONE
+}
+
+pub(crate) struct Grains {
+    mixing: Mixing,
+    /// Share of the cells and ghosts, 0 to 1, now and at the beginning of the step.
+    pub(crate) share: Vec<f64>,
+    pub(crate) share_old: Vec<f64>,
+    /// Viscosity of the mixture in cells and ghosts, Pa s.
+    pub(crate) eta: Vec<f64>,
+    /// Viscosity of fluid 2.
+    pub(crate) eta_2: CellField<f64>,
+    /// `d ln eta / d ln eta_1` of the mixture on faces.
+    pub(crate) response: Vec<f64>,
+    /// Gradient of the share, cells and ghosts, where the mixing asks for it.
+    gradient: Vec<Vec3>,
+    pub(crate) pore: PorePressure,
+}
+
+impl Grains {
+    pub(crate) fn new(exec: &Exec, mesh: &Mesh, mixing: Mixing, pore: PorePressure) -> Grains {
+        let _ = exec;
+        let directed = mixing == Mixing::FaceDirection;
+        Grains {
+            mixing,
+            share: vec![0.0; mesh.n_all()],
+            share_old: vec![0.0; mesh.n_all()],
+            eta: vec![0.0; mesh.n_all()],
+            eta_2: CellField::new(mesh, "eta2", Dims::VISCOSITY, 0.0),
+            response: vec![1.0; mesh.n_faces()],
+            gradient: if directed { vec![[0.0; 3]; mesh.n_all()] } else { Vec::new() },
+            pore,
+        }
+    }
+
+    /// The strain rate of the grains for the stress of a cell: the mixture's, but where both fluids bear
+    /// the same stress.
+    #[inline]
+    pub(crate) fn rate(&self, c: usize, stress: f64, eta_1: f64) -> f64 {
+        match self.mixing {
+            Mixing::Harmonic if !sparse(self.share[c]) => stress / eta_1,
+            _ => stress / self.eta[c],
+        }
+    }
+
+    /// The grains are where `alpha` says; its conditions are up to date.
+    fn settle_at(
+        &mut self,
+        exec: &Exec,
+        mesh: &Mesh,
+        alpha: &Unknown<f64>,
+    ) -> Result<(), StepError> {
+        let a = &alpha.cells.data;
+        exec.for_each(&mut self.share, |first, out| {
+            for (i, share) in out.iter_mut().enumerate() {
+                let a = a[first + i];
+                *share = if sparse(a) { 0.0 } else { a.min(1.0) };
+            }
+        });
+        if !self.gradient.is_empty() {
+            Gradient::GaussLinear.of(exec, mesh, alpha, &mut self.gradient);
+        }
+        self.pore.enclose(exec, mesh, &self.share)
+    }
+
+    /// From the viscosity of the grains in cells and on faces to that of the mixture; that of the grains
+    /// on faces is overwritten.
+    pub(crate) fn mix(&mut self, exec: &Exec, mesh: &Mesh, eta_1: &[f64], eta_f: &mut FaceField<f64>) {
+        let Grains { mixing, share, eta, eta_2, response, gradient, .. } = self;
+        let (mixing, share, eta_2) = (*mixing, &share[..], &eta_2.data[..]);
+        exec.for_each(eta, |first, out| {
+            for (i, eta) in out.iter_mut().enumerate() {
+                let c = first + i;
+                *eta = mixing.in_cell(share[c], eta_1[c], eta_2[c]);
+            }
+        });
+        let (eta, gradient) = (&*eta, &gradient[..]);
+        exec.for_each2(&mut eta_f.data, response, |first, out, response| {
+            for i in 0..out.len() {
+                let f = first + i;
+                let o = mesh.owner[f] as usize;
+                let n = mesh.neighbour.get(f).map_or(o, |&n| n as usize);
+                let w = if n == o { 1.0 } else { mesh.weight[f] };
+                let lerp = |x: &[f64]| w * x[o] + (1.0 - w) * x[n];
+                let (a, two, one) = (lerp(share), lerp(eta_2), out[i]);
+                if share[o] >= 1.0 && share[n] >= 1.0 {
+                    response[i] = 1.0;
+                    continue;
+                }
+                if a <= 0.0 {
+                    (out[i], response[i]) = (two, 0.0);
+                    continue;
+                }
+                let (mixed, of_one) = match mixing {
+                    Mixing::Arithmetic => {
+                        let mixed = parallel(a, one, two);
+                        (mixed, a * one / mixed)
+                    }
+                    Mixing::Harmonic => {
+                        // The paper's way: cells are mixed, faces have their linear mean. What a face of
+                        // grains alone has beyond the linear mean of its cells it keeps.
+                        let own = |c: usize| if sparse(share[c]) { one } else { eta_1[c] };
+                        let mixed = one * lerp(eta) / (w * own(o) + (1.0 - w) * own(n));
+                        let carried = |c: usize| {
+                            let a = share[c];
+                            if a <= 0.0 { 0.0 } else { eta[c] * a * eta[c] / eta_1[c] }
+                        };
+                        (mixed, ((w * carried(o) + (1.0 - w) * carried(n)) / lerp(eta)).min(1.0))
+                    }
+                    Mixing::FaceDirection => {
+                        let g = gradient[o].scaled(w).axpy(1.0 - w, gradient[n]);
+                        let across = dot(g, mesh.normal(f)).powi(2) / dot(g, g).max(1e-300);
+                        // Of the way between the cells.
+                        let way = (2.0 * a - 0.5).clamp(0.0, 1.0);
+                        let (s, p) = (series(way, one, two), parallel(a, one, two));
+                        let mixed = across * s + (1.0 - across) * p;
+                        let carried = across * way * s * s / one + (1.0 - across) * a * one;
+                        (mixed, (carried / mixed).min(1.0))
+                    }
+                };
+                (out[i], response[i]) = (mixed, of_one);
+            }
+        });
+    }
+}
+
+impl TwoPhase {
+    /// Share of the grains in cells and ghosts, where there are any.
+    pub(crate) fn share(&self) -> Option<&[f64]> {
+        self.work.grains.as_ref().map(|g| &g.share[..])
+    }
+    /// The same with what it was when the step began.
+    pub(crate) fn shares(&self) -> Option<Share<'_>> {
+        let grains = self.work.grains.as_ref()?;
+        Some(Share { now: &grains.share, old: &grains.share_old })
+    }
+    /// Viscosity of the mixture in cells and ghosts, where it is not that of fluid 1.
+    pub(crate) fn viscosity(&self) -> Option<&[f64]> {
+        self.work.grains.as_ref().map(|g| &g.eta[..])
+    }
+}
+
+impl Flow {
+    /// Whether fluid 1 is made of grains that another fluid surrounds.
+    pub(crate) fn has_grains_in_fluid(&self) -> bool {
+        self.grains().is_some()
+    }
+
+    pub(crate) fn grains(&self) -> Option<&Grains> {
+        self.two_phase.as_ref()?.work.grains.as_ref()
+    }
+
+    /// Makes room for grains beside the other fluid, where there are any.
+    pub(crate) fn prepare_grains(&mut self) {
+        let Flow { exec, mesh, two_phase, fluid, gravity, .. } = self;
+        let Some(two) = two_phase else { return };
+        if two.pore_solver.is_none() || !fluid.rheology.reads_pressure() {
+            return;
+        }
+        let weight = match two.pores {
+            Pores::Dry => [0.0; 3],
+            Pores::Saturated => gravity.hydrostatic.map(|g| g * two.rho_2),
+        };
+        let pore = PorePressure::new(exec, mesh, weight);
+        two.work.grains = Some(Grains::new(exec, mesh, two.mixing, pore));
+    }
+
+    /// Shares of the grains from the volume fraction as it stands.
+    pub(crate) fn place_grains(&mut self) -> Result<(), StepError> {
+        let Flow { exec, mesh, two_phase, state, .. } = self;
+        let (Some(two), Some(alpha)) = (two_phase, &state.alpha) else { return Ok(()) };
+        let Some(grains) = &mut two.work.grains else { return Ok(()) };
+        grains.settle_at(exec, mesh, alpha)
+    }
+
+    /// Takes the pressure of the pores from `work.pressure`.
+    pub(crate) fn relieve_grains(&mut self) -> Result<(), StepError> {
+        let Flow { exec, mesh, two_phase, work: w, state, .. } = self;
+        let Some(TwoPhase { pore_solver: Some(solver), work, .. }) = two_phase.as_deref_mut() else {
+            return Ok(());
+        };
+        let Some(Grains { pore, share, .. }) = &mut work.grains else { return Ok(()) };
+        pore.update(exec, mesh, solver.as_mut(), (share, &w.pressure), state.time)?;
+        let (pore, share) = (&*pore, &*share);
+        exec.for_each(&mut w.pressure[..mesh.n_cells], |first, out| {
+            for (i, p) in out.iter_mut().enumerate() {
+                let c = first + i;
+                *p = if sparse(share[c]) { 0.0 } else { *p - pore.at(c, mesh.cell_centre[c]) };
+            }
+        });
+        Ok(())
+    }
+
+    /// Viscosity of the other fluid at the strain rate as it stands.
+    pub(crate) fn evaluate_surrounding_fluid(&mut self, dt: f64) -> Result<(), StepError> {
+        let Flow { exec, mesh, two_phase, work: w, state, .. } = self;
+        let time = state.time;
+        let Some(two) = two_phase else { return Ok(()) };
+        let Some(grains) = &mut two.work.grains else { return Ok(()) };
+        let view = FlowView {
+            exec,
+            mesh,
+            time,
+            dt,
+            strain_rate: &w.strain_rate,
+            stress: None,
+            pressure: &w.pressure,
+            density: &w.rho.data,
+            flux: &state.phi,
+            share: None,
+        };
+        two.rheology_2
+            .update(&view, &mut grains.eta_2)
+            .map_err(|source| StepError::Rheology { time, source })?;
+        mesh.halo.update(exec, &mut grains.eta_2.data);
+        Ok(())
+    }
+}
