@@ -296,7 +296,8 @@ impl Flow {
         });
         z.u.fill([0.0; 3]);
         let solver = &mut numerics.u.solver;
-        let tolerance = Tolerance { rel: (VELOCITY.rel * *tightness * light).max(TIGHTEST), ..VELOCITY };
+        let tolerance =
+            Tolerance { rel: (VELOCITY.rel * *tightness * light).max(TIGHTEST), ..VELOCITY };
         let result = solver.solve(exec, &w.u_eqn.a, &force[..n], &mut z.u, &tolerance);
         if hopeless(&result) && numerics.convection == Convection::Linear && !*defer {
             w.solves[0] += SolveCount { all: 1, unconverged: 1 };
@@ -413,6 +414,7 @@ impl Flow {
             grad_p: &w.grad_p,
             dp_dn: &w.dp_dn,
             mobility: &w.r_a_f.data,
+            weights: &w.flux_weights,
         };
         interpolated_flux(exec, mesh, &of, flux);
         let (stress, flux, grad, volume) = (&stress.data, &flux.data, &w.grad_p, &mesh.volume);

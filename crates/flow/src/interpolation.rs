@@ -36,6 +36,8 @@ pub(crate) struct Interpolated<'a> {
     pub(crate) dp_dn: &'a [f64],
     /// Velocity per pressure gradient on faces.
     pub(crate) mobility: &'a [f64],
+    /// Weights of the owners' velocities on inner faces, where they are not those of distance.
+    pub(crate) weights: &'a [f64],
 }
 
 /// `phi = S . u_f + r_f (S . (grad p)_f - |S| dp/dn)`.
@@ -45,8 +47,8 @@ pub(crate) fn interpolated_flux(
     of: &Interpolated<'_>,
     phi: &mut FaceField<f64>,
 ) {
-    let Interpolated { u, cells, skewed, grad_p, dp_dn, mobility } = of;
-    operators::flux(exec, mesh, u, cells, phi);
+    let Interpolated { u, cells, skewed, grad_p, dp_dn, mobility, weights } = of;
+    plain_flux(exec, mesh, (u, cells), weights, phi);
     if let Some(gradient) = skewed {
         operators::add_skew_flux(exec, mesh, 1.0, gradient, phi);
     }
@@ -72,7 +74,50 @@ pub(crate) fn interpolated_flux(
     });
 }
 
+/// `S . u_f`, by distance or by `weights`.
+fn plain_flux(
+    exec: &Exec,
+    mesh: &Mesh,
+    (u, cells): (&Unknown<Vec3>, &[Vec3]),
+    weights: &[f64],
+    phi: &mut FaceField<f64>,
+) {
+    operators::flux(exec, mesh, u, cells, phi);
+    if weights.is_empty() {
+        return;
+    }
+    exec.for_each(&mut phi.data[..mesh.n_inner], |first, out| {
+        for (i, phi) in out.iter_mut().enumerate() {
+            let f = first + i;
+            let (o, n) = (mesh.owner[f] as usize, mesh.neighbour[f] as usize);
+            let w = weights[f] - mesh.weight[f];
+            if w != 0.0 {
+                *phi += w * (dot(cells[o], mesh.area[f]) - dot(cells[n], mesh.area[f]));
+            }
+        }
+    });
+}
+
 impl Flow {
+    /// Where grains end, the face moves as they do, and not half with a fluid that hardly resists: else
+    /// what sloshes in the fluid moves the surface of the grains. What counts in between is the force that it
+    /// takes to move a cell.
+    fn weigh_surfaces(&mut self) {
+        let Flow { exec, mesh, work: w, two_phase, .. } = self;
+        let Some(share) = two_phase.as_ref().and_then(|t| t.share()) else { return };
+        w.flux_weights.resize(mesh.n_inner, 0.0);
+        let r = &w.r_a.data;
+        exec.for_each(&mut w.flux_weights, |first, out| {
+            for (i, weight) in out.iter_mut().enumerate() {
+                let f = first + i;
+                let (o, n) = (mesh.owner[f] as usize, mesh.neighbour[f] as usize);
+                let jump = (share[o] - share[n]).abs();
+                let own = r[n] / (r[o] + r[n]);
+                *weight = mesh.weight[f] + jump * (own - mesh.weight[f]);
+            }
+        });
+    }
+
     /// Mobilities of the momentum equation in cells and on faces.
     pub(crate) fn update_mobility(&mut self, dt: f64) {
         let c0 = self.ddt_coefficients(dt)[0];
@@ -105,6 +150,8 @@ impl Flow {
         });
         mesh.halo.update(exec, &mut w.r_a.data);
         mesh.halo.update(exec, &mut w.r_at.data);
+        self.weigh_surfaces();
+        let Flow { exec, mesh, work: w, .. } = self;
         if two_fluids {
             // As forces over density, which are smooth beside an interface.
             let r_at = &w.r_at.data;
@@ -168,6 +215,7 @@ impl Flow {
                 grad_p: &w.grad_p,
                 dp_dn: &w.dp_dn,
                 mobility: &w.r_a_f.data,
+                weights: &w.flux_weights,
             };
             interpolated_flux(exec, mesh, &of, &mut state.phi);
         }
@@ -202,6 +250,7 @@ impl Flow {
                 grad_p: &w.grad_p,
                 dp_dn: &w.dp_dn,
                 mobility: &w.r_a_f.data,
+                weights: &w.flux_weights,
             };
             interpolated_flux(exec, mesh, &of, &mut w.phi_star);
         }
@@ -214,7 +263,7 @@ impl Flow {
         let c = self.ddt_coefficients(dt);
         self.update_conditions();
         let Flow { exec, mesh, state, numerics, work: w, .. } = self;
-        let Work { ahead, phi_star: plain, grad_u, .. } = w;
+        let Work { ahead, phi_star: plain, grad_u, flux_weights, .. } = w;
         ahead.data.fill(0.0);
         for (k, older) in [(c[1], false), (-c[2], true)] {
             if k == 0.0 {
@@ -228,7 +277,7 @@ impl Flow {
             if older {
                 swap(state);
             }
-            operators::flux(exec, mesh, &state.u, &state.u.cells.data, plain);
+            plain_flux(exec, mesh, (&state.u, &state.u.cells.data), flux_weights, plain);
             if mesh.is_skewed() {
                 numerics.gradient.of(exec, mesh, &state.u, grad_u);
                 operators::add_skew_flux(exec, mesh, 1.0, grad_u, plain);
@@ -302,14 +351,22 @@ impl Work {
             Slopes::OfChange => (&*p_prime, false),
         };
         if let Some(two) = two {
-            return two.work.forces.slopes(exec, mesh, (p, &rho.data), (numerics.non_orthogonal, whole), (grad_p, dp_dn));
+            return two.work.forces.slopes(
+                exec,
+                mesh,
+                (p, &rho.data),
+                (numerics.non_orthogonal, whole),
+                (grad_p, dp_dn),
+            );
         }
         numerics.gradient.of(exec, mesh, p, grad_p);
         let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
         let corrected = leaning.then_some(&grad_p[..]);
         exec.for_each(dp_dn, |first, out| {
             let each = out.iter_mut().enumerate();
-            each.for_each(|(i, d)| *d = operators::normal_derivative(mesh, p, corrected, first + i));
+            each.for_each(|(i, d)| {
+                *d = operators::normal_derivative(mesh, p, corrected, first + i)
+            });
         });
     }
 }

@@ -61,6 +61,8 @@ pub(crate) struct Work {
     pub(crate) r_at: CellField<f64>,
     pub(crate) r_a_f: FaceField<f64>,
     pub(crate) r_at_f: FaceField<f64>,
+    /// Weights of the owners' velocities in the flux, where grains end; else empty.
+    pub(crate) flux_weights: Vec<f64>,
     pub(crate) phi_star: FaceField<f64>,
     pub(crate) p_prime: Unknown<f64>,
     pub(crate) p_scratch: FaceField<f64>,
@@ -131,6 +133,7 @@ impl Work {
             r_at: CellField::new(m, "rAt", mobility, 0.0),
             r_a_f: FaceField::new(m, "rA", mobility, 0.0),
             r_at_f: FaceField::new(m, "rAt", mobility, 0.0),
+            flux_weights: Vec::new(),
             phi_star: FaceField::new(m, "phi", Dims::VOLUME_FLUX, 0.0),
             p_prime: Unknown::new(m, "p'", p.cells.dims, 0.0, conditions),
             p_scratch: FaceField::new(m, "phi'", Dims::VOLUME_FLUX, 0.0),

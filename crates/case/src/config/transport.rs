@@ -127,7 +127,9 @@ impl Transport {
             let phase = Transport::checked(dict, sink);
             if phase.grains.is_some() && name == second {
                 let message = format!("`{}` is a model of grains, which come first", phase.model);
-                let help = format!("write `phases ({second} {first});`, with the fraction `alpha.{second}`");
+                let help = format!(
+                    "write `phases ({second} {first});`, with the fraction `alpha.{second}`"
+                );
                 sub.error_at_key("transportModel", message, "the second phase", Some(&help));
             }
             phase
@@ -136,11 +138,8 @@ impl Transport {
         let granular = one.grains.is_some();
         let usual = if granular { Mixing::Harmonic } else { Mixing::Arithmetic };
         let mixing = r.opt_one_of("mixing", Mixing::ALL, usual);
-        let pores = if granular {
-            r.opt_one_of("pores", Pores::ALL, Pores::Dry)
-        } else {
-            Pores::Dry
-        };
+        let pores =
+            if granular { r.opt_one_of("pores", Pores::ALL, Pores::Dry) } else { Pores::Dry };
         r.finish(Severity::Warning);
         let names = [first.to_owned(), second.to_owned()];
         let second = SecondPhase { names, sigma, mixing, pores, transport: two };

@@ -63,7 +63,14 @@ impl FaceForces {
     }
 
     /// The same with `share` of the jumps that weight and surface tension ask for.
-    fn balance_jumps(&mut self, exec: &Exec, mesh: &Mesh, p: &Unknown<f64>, limit: f64, share: f64) {
+    fn balance_jumps(
+        &mut self,
+        exec: &Exec,
+        mesh: &Mesh,
+        p: &Unknown<f64>,
+        limit: f64,
+        share: f64,
+    ) {
         let FaceForces { jump, imbalance, open, gradient, fit, .. } = self;
         let (jump, open) = (&jump.data, &open[..]);
         let jump = |f: usize| share * jump[f];

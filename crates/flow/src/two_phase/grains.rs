@@ -85,7 +85,13 @@ impl Grains {
 
     /// From the viscosity of the grains in cells and on faces to that of the mixture; that of the grains
     /// on faces is overwritten.
-    pub(crate) fn mix(&mut self, exec: &Exec, mesh: &Mesh, eta_1: &[f64], eta_f: &mut FaceField<f64>) {
+    pub(crate) fn mix(
+        &mut self,
+        exec: &Exec,
+        mesh: &Mesh,
+        eta_1: &[f64],
+        eta_f: &mut FaceField<f64>,
+    ) {
         let Grains { mixing, share, eta, eta_2, response, gradient, .. } = self;
         let (mixing, share, eta_2) = (*mixing, &share[..], &eta_2.data[..]);
         exec.for_each(eta, |first, out| {
@@ -196,7 +202,8 @@ impl Flow {
     /// Takes the pressure of the pores from `work.pressure`.
     pub(crate) fn relieve_grains(&mut self) -> Result<(), StepError> {
         let Flow { exec, mesh, two_phase, work: w, state, .. } = self;
-        let Some(TwoPhase { pore_solver: Some(solver), work, .. }) = two_phase.as_deref_mut() else {
+        let Some(TwoPhase { pore_solver: Some(solver), work, .. }) = two_phase.as_deref_mut()
+        else {
             return Ok(());
         };
         let Some(Grains { pore, share, .. }) = &mut work.grains else { return Ok(()) };

@@ -25,13 +25,13 @@ pub use prescribed::Prescribed;
 
 use crate::vof::{Corners, Vof, VofReport};
 use face_forces::FaceForces;
+pub(crate) use grains::{Grains, sparse};
 use granflow_base::{Dims, Vec3};
 use granflow_fv::{CellField, FaceField, Unknown};
+use granflow_linsolve::LinearSolver;
 use granflow_mesh::{Mesh, PolyMesh};
 use granflow_par::Exec;
-use granflow_linsolve::LinearSolver;
 use granflow_physics::Rheology;
-pub(crate) use grains::{Grains, sparse};
 use level::Levels;
 use surface_tension::SurfaceTension;
 

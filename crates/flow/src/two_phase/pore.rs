@@ -66,7 +66,12 @@ impl PorePressure {
     }
 
     /// The surface of the grains has moved: `share` of them in cells and ghosts.
-    pub(crate) fn enclose(&mut self, exec: &Exec, mesh: &Mesh, share: &[f64]) -> Result<(), StepError> {
+    pub(crate) fn enclose(
+        &mut self,
+        exec: &Exec,
+        mesh: &Mesh,
+        share: &[f64],
+    ) -> Result<(), StepError> {
         exec.for_each(&mut self.conducts.data, |first, out| {
             for (i, k) in out.iter_mut().enumerate() {
                 let f = first + i;

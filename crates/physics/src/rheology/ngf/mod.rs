@@ -23,7 +23,9 @@ pub use law::{Form, Law};
 use self::law::Local;
 use self::spread::InnerFit;
 use super::beyond::beyond;
-use super::{Entry, FlowView, FluidContext, Granular, Rheology, RheologyError, RheologyInfo, Share};
+use super::{
+    Entry, FlowView, FluidContext, Granular, Rheology, RheologyError, RheologyInfo, Share,
+};
 use granflow_base::Dims;
 use granflow_dict::Reader;
 use granflow_fv::conditions::ZeroGradient;
@@ -494,7 +496,8 @@ impl Rheology for Ngf {
         }
     }
     fn recall(&mut self, v: &FlowView<'_>, eta: &mut CellField<f64>) -> bool {
-        let positive = self.known || (0..v.mesh.n_cells).all(|c| self.g.cells.data[c] > 0.0 || !v.has(c));
+        let positive =
+            self.known || (0..v.mesh.n_cells).all(|c| self.g.cells.data[c] > 0.0 || !v.has(c));
         let mut everywhere = [if positive { 0.0 } else { 1.0 }];
         v.exec.comm().max(&mut everywhere);
         self.known = everywhere[0] == 0.0;
