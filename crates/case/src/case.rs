@@ -162,7 +162,9 @@ impl Case {
             return None;
         }
         let Some(given) = &self.config.solution.reference else {
-            if self.config.transport.grains.is_some() {
+            // Beside another fluid the pressure between grains is measured from their surface.
+            let alone = self.config.transport.second.is_none();
+            if alone && self.config.transport.grains.is_some() {
                 let path = self.root.join("system/fvSolution").display().to_string();
                 let message = "no boundary fixes the pressure level, and the friction of grains \
                                depends on it";

@@ -109,7 +109,7 @@ pub(crate) fn write_time(
         let text = sheet("fluidity", Dims::RATE).vol(g, &entries.fluidity.boundary, Some(&faces));
         dir.file("fluidity", &text)?;
     }
-    if let (Some(total), "p_rgh") = (&s.pressure, pressure) {
+    if let (Some(total), "p_rgh") = (&s.total, pressure) {
         let faces = per(&total_on_faces(case, s));
         let calculated: Vec<Dict> = dictated.iter().map(calculated).collect();
         let text = sheet("p", entries.p.dims).vol(&per(total), &calculated, Some(&faces));
@@ -122,10 +122,13 @@ pub(crate) fn write_time(
         derived("strainRate", Dims::RATE, rate)?;
         derived("viscosity", Dims::VISCOSITY, eta)?;
         if let Some(grains) = case.config.transport.grains {
-            let ratio = |c: usize| rate[c] * eta[c] / p[c].max(grains.loose());
+            // Nothing is said of a fluid beside the grains.
+            let here = |c: usize| s.alpha.as_ref().is_none_or(|a| a[c] > 0.5);
+            let of = |c: usize, value: f64| if here(c) { value } else { 0.0 };
+            let ratio = |c: usize| of(c, rate[c] * eta[c] / p[c].max(grains.loose()));
             let ratios: Vec<f64> = (0..p.len()).map(ratio).collect();
             derived("stressRatio", Dims::NONE, &ratios)?;
-            let number = |c: usize| grains.inertial_number(rate[c], p[c]);
+            let number = |c: usize| of(c, grains.inertial_number(rate[c], p[c]));
             let numbers: Vec<f64> = (0..p.len()).map(number).collect();
             derived("inertialNumber", Dims::NONE, &numbers)?;
         }

@@ -21,7 +21,12 @@ pub struct Tensile {
 pub(crate) fn find(flow: &Flow) -> Option<Tensile> {
     let (exec, mesh, n) = (&flow.exec, &flow.mesh, flow.mesh.n_cells);
     let (p, g, rho) = (&flow.state.p.cells.data, flow.gravity.hydrostatic, flow.fluid.rho);
-    let pressure = |c: usize| p[c] + rho * dot(g, mesh.cell_centre[c]);
+    let beside_fluid = flow.grains_in_fluid();
+    let pressure = |c: usize| match beside_fluid {
+        None => p[c] + rho * dot(g, mesh.cell_centre[c]),
+        Some((share, pressure)) if share[c] > 0.5 => pressure[c],
+        Some(_) => f64::INFINITY,
+    };
     let [cells] = exec.sums(n, |r| [r.filter(|c| pressure(*c) <= 0.0).count() as f64]);
     if cells == 0.0 {
         return None;

@@ -6,7 +6,7 @@ use crate::collect::Collector;
 use crate::functions::{Derivations, Function, View, Written};
 use crate::tensile::{self, Tensile};
 use crate::{Case, Options};
-use granflow_base::Vec3;
+use granflow_base::{Vec3, dot};
 use granflow_flow::{Flow, Report, StepError};
 use granflow_mesh::Mesh;
 use granflow_par::{Comm, Exec, InProcess};
@@ -86,7 +86,10 @@ pub(crate) struct Sheets {
     pub(crate) alpha: Option<Vec<f64>>,
     /// Of alpha, zero where there is none.
     pub(crate) alpha_faces: Vec<f64>,
+    /// Between grains, where there are any, Pa.
     pub(crate) pressure: Option<Vec<f64>>,
+    /// Of everything, its weight included, Pa.
+    pub(crate) total: Option<Vec<f64>>,
     pub(crate) strain_rate: Option<Vec<f64>>,
     pub(crate) viscosity: Option<Vec<f64>>,
 }
@@ -286,6 +289,9 @@ impl Worker {
         }
         let backward = flow.numerics.ddt == granflow_flow::TimeScheme::Backward;
         let d = &self.derived;
+        let (rho, g) = (flow.density(), flow.gravity.hydrostatic);
+        let of = |c: usize| s.p.cells.data[c] + rho[c] * dot(g, mesh.cell_centre[c]);
+        let total: Vec<f64> = if derived { (0..n).map(of).collect() } else { Vec::new() };
         Sheets {
             u: c.cells(exec, &s.u.cells.data, n).unwrap_or_default(),
             u_faces: c.faces(exec, &u_faces, false).unwrap_or_default(),
@@ -298,6 +304,7 @@ impl Worker {
             alpha: s.alpha.as_ref().and_then(|a| whole(&a.cells.data)),
             alpha_faces: c.faces(exec, &alpha_faces, false).unwrap_or_default(),
             pressure: if derived { whole(&d.pressure) } else { None },
+            total: if derived { whole(&total) } else { None },
             strain_rate: if derived { whole(&d.strain_rate) } else { None },
             viscosity: if derived { whole(&d.viscosity) } else { None },
         }

@@ -208,7 +208,12 @@ impl View<'_> {
         let scalar = |x: f64| [x, 0.0, 0.0];
         // Where grains lose contact there is no pressure to divide by.
         let loose = self.grains.map_or(f64::MIN_POSITIVE, |g| g.loose());
-        let mu = |c: usize| d.strain_rate[c] * d.viscosity[c] / d.pressure[c].max(loose);
+        // Nothing is said of a fluid beside the grains.
+        let here = |c: usize| self.alpha.is_none_or(|a| a.cells.data[c] > 0.5);
+        let mu = |c: usize| match here(c) {
+            true => d.strain_rate[c] * d.viscosity[c] / d.pressure[c].max(loose),
+            false => 0.0,
+        };
         match q {
             Quantity::U => self.u.cells.data[c],
             Quantity::P => {
@@ -222,7 +227,9 @@ impl View<'_> {
             Quantity::Viscosity => scalar(d.viscosity[c]),
             Quantity::StressRatio => scalar(mu(c)),
             Quantity::InertialNumber => scalar(
-                self.grains.map_or(0.0, |g| g.inertial_number(d.strain_rate[c], d.pressure[c])),
+                self.grains
+                    .filter(|_| here(c))
+                    .map_or(0.0, |g| g.inertial_number(d.strain_rate[c], d.pressure[c])),
             ),
         }
     }

@@ -176,6 +176,13 @@ impl Flow {
         self.two_phase.as_ref()?.work.grains.as_ref()
     }
 
+    /// Where fluid 1 is made of grains beside another fluid: their share of the cells, and the pressure
+    /// between them as the last step left it, Pa.
+    pub fn grains_in_fluid(&self) -> Option<(&[f64], &[f64])> {
+        let n = self.mesh.n_cells;
+        self.grains().map(|g| (&g.share[..n], &self.work.pressure[..n]))
+    }
+
     /// Makes room for grains beside the other fluid, where there are any.
     pub(crate) fn prepare_grains(&mut self) {
         let Flow { exec, mesh, two_phase, fluid, gravity, .. } = self;
