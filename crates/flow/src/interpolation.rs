@@ -99,21 +99,20 @@ fn plain_flux(
 }
 
 impl Flow {
-    /// Where grains end, the face moves as they do, and not half with a fluid that hardly resists: else
-    /// what sloshes in the fluid moves the surface of the grains. What counts in between is the force that it
-    /// takes to move a cell.
-    fn weigh_surfaces(&mut self) {
+    /// Where grains end, the face moves with the mass of its cells, and not half with a fluid that weighs
+    /// nothing: else what sloshes in the fluid moves the surface of the grains.
+    pub(crate) fn weigh_surfaces(&mut self) {
         let Flow { exec, mesh, work: w, two_phase, .. } = self;
         let Some(share) = two_phase.as_ref().and_then(|t| t.share()) else { return };
         w.flux_weights.resize(mesh.n_inner, 0.0);
-        let r = &w.r_a.data;
+        let rho = &w.rho.data;
         exec.for_each(&mut w.flux_weights, |first, out| {
             for (i, weight) in out.iter_mut().enumerate() {
                 let f = first + i;
                 let (o, n) = (mesh.owner[f] as usize, mesh.neighbour[f] as usize);
                 let jump = (share[o] - share[n]).abs();
-                let own = r[n] / (r[o] + r[n]);
-                *weight = mesh.weight[f] + jump * (own - mesh.weight[f]);
+                let mass = rho[o] / (rho[o] + rho[n]);
+                *weight = mesh.weight[f] + jump * (mass - mesh.weight[f]);
             }
         });
     }
@@ -150,8 +149,6 @@ impl Flow {
         });
         mesh.halo.update(exec, &mut w.r_a.data);
         mesh.halo.update(exec, &mut w.r_at.data);
-        self.weigh_surfaces();
-        let Flow { exec, mesh, work: w, .. } = self;
         if two_fluids {
             // As forces over density, which are smooth beside an interface.
             let r_at = &w.r_at.data;

@@ -38,8 +38,7 @@ pub(crate) struct Grains {
 }
 
 impl Grains {
-    pub(crate) fn new(exec: &Exec, mesh: &Mesh, mixing: Mixing, pore: PorePressure) -> Grains {
-        let _ = exec;
+    pub(crate) fn new(mesh: &Mesh, mixing: Mixing, pore: PorePressure) -> Grains {
         let directed = mixing == Mixing::FaceDirection;
         Grains {
             mixing,
@@ -195,7 +194,7 @@ impl Flow {
             Pores::Saturated => gravity.hydrostatic.map(|g| g * two.rho_2),
         };
         let pore = PorePressure::new(exec, mesh, weight);
-        two.work.grains = Some(Grains::new(exec, mesh, two.mixing, pore));
+        two.work.grains = Some(Grains::new(mesh, two.mixing, pore));
     }
 
     /// Shares of the grains from the volume fraction as it stands.
@@ -203,7 +202,9 @@ impl Flow {
         let Flow { exec, mesh, two_phase, state, .. } = self;
         let (Some(two), Some(alpha)) = (two_phase, &state.alpha) else { return Ok(()) };
         let Some(grains) = &mut two.work.grains else { return Ok(()) };
-        grains.settle_at(exec, mesh, alpha)
+        grains.settle_at(exec, mesh, alpha)?;
+        self.weigh_surfaces();
+        Ok(())
     }
 
     /// Takes the pressure of the pores from `work.pressure`.
