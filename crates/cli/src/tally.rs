@@ -191,7 +191,7 @@ fn ill_posed(p: &Posedness) -> Option<String> {
         format!(
             "warning: mu(I) is ill-posed in {} of {} that yield ({} %) at the end: disturbances grow \
              there, the faster the finer the mesh\n  = help: `transportModel muIRegularised` is well \
-             posed, and NGF spreads what mu(I) leaves to single cells",
+             posed",
             p.ill_posed,
             count(p.yielded, "cell"),
             rounded(share, 3),

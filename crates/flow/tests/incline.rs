@@ -231,3 +231,29 @@ fn any_little_fluidity() {
         }
     }
 }
+
+/// Grains far below what flows keep next to no fluidity, and no floor lifts it: 150 grains below a
+/// lid the steady flow has 1e-48 of the lid's.
+#[test]
+fn deep_grains_keep_next_to_none() {
+    for dt in [1e-2, 1.0, 1e6] {
+        let (n, depth, v) = (300, 150.0 * BEADS.d, 1e-3);
+        let h = depth / n as f64;
+        let kinds = shapes::periodic_kinds([true, false, true], granflow_mesh::PatchKind::Wall);
+        let poly = shapes::box_mesh([1, n, 1], [0.0; 3], [h, depth, h], kinds);
+        let mut s = Setup::new(&poly, numerics(150, 1));
+        let p_wall = 20.0 * RHO_B * 9.81 * BEADS.d;
+        s.gravity.hydrostatic = [0.0, -9.81, 0.0];
+        s.p0 = p_wall + RHO_B * 9.81 * depth;
+        let rheology = ngf(&s.exec, &s.mesh, BEADS, PRIMITIVE);
+        let mut flow = s.flow(
+            rheology,
+            |patch| if patch == "yMax" { fixed([v, 0.0, 0.0]) } else { fixed([0.0; 3]) },
+            |patch| if patch == "yMax" { pressure(p_wall) } else { free() },
+        );
+        steps(&mut flow, dt, 40);
+        let g = &flow.fluid.rheology.field().expect("fluidity").data;
+        println!("deep, dt {dt}: g {:.1e} to {:.1e} 1/s", g[0], g[n - 1]);
+        assert!(dt < 1.0 || (1e-49..1e-47).contains(&g[0]), "{:e}", g[0]);
+    }
+}
