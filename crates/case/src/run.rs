@@ -12,6 +12,7 @@ use crate::{Case, CaseError, Notices, Options, Tensile, figures, init, meshing, 
 use granflow_base::Stopwatch;
 use granflow_dict::{Diag, Sink};
 use granflow_flow::{Flow, Report, StepError};
+use granflow_physics::rheology::Posedness;
 use serde_json::{Map, Value, json};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -77,6 +78,8 @@ pub struct Run {
     set_aside: Option<SetAside>,
     /// Wall-clock seconds per second of the flow, averaged over the latest steps.
     pace: Option<f64>,
+    /// Where the law was ill-posed in the last step.
+    posedness: Posedness,
 }
 
 impl Run {
@@ -151,6 +154,7 @@ impl Run {
             lock: None,
             set_aside,
             pace: None,
+            posedness: Posedness::default(),
             crew,
             log,
             case,
@@ -209,6 +213,7 @@ impl Run {
         self.functions(&moment)?;
         let seconds = self.clock.seconds();
         self.log_step(&report, step, seconds)?;
+        self.posedness = report.rheology.posedness;
         let tensile = self.crew.worker.tensile.take();
         if let Some(t) = &tensile {
             let event = json!({
@@ -342,7 +347,7 @@ impl Run {
         if self.time() > self.began {
             self.write_now()?;
         }
-        self.log.event("end", &object(json!({"time": self.time(), "reason": "endTime"})))?;
+        self.log_end("endTime")?;
         Ok(Event::Done(End::EndTime))
     }
 
@@ -350,8 +355,20 @@ impl Run {
         if self.time() > self.began {
             self.write_now()?;
         }
-        self.log.event("end", &object(json!({"time": self.time(), "reason": "stopped"})))?;
+        self.log_end("stopped")?;
         Ok(Event::Done(End::Stopped))
+    }
+
+    fn log_end(&mut self, reason: &str) -> Result<(), CaseError> {
+        let (time, p) = (self.time(), self.posedness);
+        if p.ill_posed > 0 {
+            let event = json!({
+                "time": time, "message": "mu(I) is ill-posed",
+                "cells": p.ill_posed, "yielded": p.yielded,
+            });
+            self.log.event("warning", &object(event))?;
+        }
+        Ok(self.log.event("end", &object(json!({"time": time, "reason": reason})))?)
     }
 
     /// Back to the last good state, which is written.

@@ -5,7 +5,7 @@ use crate::text::{count, duration, number, place, rounded};
 use granflow_case::config::Solution;
 use granflow_case::{Case, StepEvent, Tensile};
 use granflow_flow::SolveCount;
-use granflow_physics::rheology::Beyond;
+use granflow_physics::rheology::{Beyond, Posedness};
 use std::path::Path;
 
 /// Counts over the steps of a run.
@@ -25,6 +25,8 @@ pub(crate) struct Tally {
     coupled: bool,
     /// Where friction is used up, if the last step did not converge.
     beyond: Option<Beyond>,
+    /// Where the law was ill-posed in the last step.
+    posedness: Posedness,
 }
 
 impl Tally {
@@ -39,6 +41,7 @@ impl Tally {
         self.unconverged += usize::from(!r.converged);
         self.adrift = !r.converged;
         self.beyond = r.rheology.beyond.filter(|_| !r.converged);
+        self.posedness = r.rheology.posedness;
         let g = &r.rheology;
         self.solves[0] += r.solves[0];
         self.solves[1] += r.solves[1];
@@ -91,6 +94,9 @@ impl Tally {
                 at(b.place),
                 b.mu_2,
             ));
+        }
+        if let Some(line) = ill_posed(&self.posedness) {
+            session.out.say(&line);
         }
     }
 
@@ -178,6 +184,21 @@ pub(crate) fn pulled_apart(t: &Tensile, time: f64) -> String {
     )
 }
 
+/// What to say where mu(I) alone lets disturbances grow without bounds.
+fn ill_posed(p: &Posedness) -> Option<String> {
+    let share = 100.0 * p.ill_posed as f64 / p.yielded.max(1) as f64;
+    (p.ill_posed > 0).then(|| {
+        format!(
+            "warning: mu(I) is ill-posed in {} of {} that yield ({} %) at the end: disturbances grow \
+             there, the faster the finer the mesh\n  = help: `transportModel muIRegularised` is well \
+             posed",
+            p.ill_posed,
+            count(p.yielded, "cell"),
+            rounded(share, 3),
+        )
+    })
+}
+
 fn at(place: [f64; 3]) -> String {
     format!("({} {} {})", number(place[0]), number(place[1]), number(place[2]))
 }
@@ -188,6 +209,19 @@ const STEADY: f64 = 1e-4;
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn ill_posed_cells_are_told_if_there_are_any() {
+        let says = |yielded, ill_posed| ill_posed_line(yielded, ill_posed);
+        assert_eq!(says(40, 0), None);
+        assert_eq!(says(0, 0), None);
+        let line = says(40, 10).unwrap();
+        assert!(line.contains("in 10 of 40 cells that yield (25 %)"), "{line}");
+    }
+
+    fn ill_posed_line(yielded: usize, ill_posed: usize) -> Option<String> {
+        super::ill_posed(&Posedness { yielded, ill_posed })
+    }
 
     #[test]
     fn steady_is_a_matter_of_rate_not_of_the_length_of_a_step() {

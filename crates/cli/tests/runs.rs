@@ -381,6 +381,28 @@ fn a_run_can_be_exported() {
     assert_eq!(case.read("VTK/case.pvd").matches("<DataSet ").count(), 4);
 }
 
+/// Bagnold's layer at tan(theta) = 0.385 flows at I = 0.0034, where mu(I) is ill-posed.
+#[test]
+fn where_mu_of_i_is_ill_posed_is_said_once() {
+    let here = tempfile::tempdir().unwrap();
+    let run = |args: &[&str]| granflow(args).current_dir(here.path()).output().unwrap();
+    assert!(run(&["new", "bagnold", "slope"]).status.success());
+    let said = text(&run(&["run", "slope", "--until", "10"]).stdout);
+    assert!(!said.contains("ill-posed"), "{said}");
+    let file = here.path().join("slope/constant/g");
+    let steep = "(3.99008646857 -8.96188093947 0)";
+    let old = fs::read_to_string(&file).unwrap();
+    assert!(old.contains(steep));
+    fs::write(&file, old.replace(steep, "(3.524651947 -9.154940123 0)")).unwrap();
+    let out = run(&["run", "slope", "--from", "start", "--until", "10"]);
+    let (said, log) = (text(&out.stdout), here.path().join("slope/log.jsonl"));
+    let warning = "warning: mu(I) is ill-posed in 80 of 80 cells that yield (100 %) at the end";
+    assert_eq!(said.matches(warning).count(), 1, "{said}{}", text(&out.stderr));
+    let log = fs::read_to_string(log).unwrap();
+    let line = r#"{"cells":80,"event":"warning","message":"mu(I) is ill-posed","time":10.0,"#;
+    assert_eq!(log.matches(line).count(), 1, "{log}");
+}
+
 #[test]
 fn a_case_is_validated_and_reported_on() {
     let here = tempfile::tempdir().unwrap();

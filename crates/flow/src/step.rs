@@ -500,4 +500,5 @@ fn add(total: &mut RheologyInfo, one: RheologyInfo) {
     total.iterations += one.iterations;
     total.unconverged += one.unconverged;
     total.residual = one.residual;
+    total.posedness = one.posedness;
 }

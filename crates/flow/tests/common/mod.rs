@@ -8,11 +8,17 @@ use granflow_fv::{Condition, Convection, FaceField, Gradient, Unknown};
 use granflow_linsolve::{LinearSolver, SolverSpec, Tolerance, build};
 use granflow_mesh::{Mesh, PatchKind, PolyMesh};
 use granflow_par::Exec;
-use granflow_physics::rheology::{Form, Granular, Law, Local, Ngf, NgfNumerics, Rheology};
+use granflow_physics::rheology::{Floors, Form, Granular, Law, Local, Ngf, NgfNumerics, Rheology};
 use std::sync::Arc;
 
-pub const BEADS: Granular =
-    Granular { mu_s: 0.3819, mu_2: 0.6435, i0: 0.279, d: 0.75e-3, rho_s: 2450.0 };
+pub const BEADS: Granular = Granular {
+    mu_s: 0.3819,
+    mu_2: 0.6435,
+    i0: 0.279,
+    d: 0.75e-3,
+    rho_s: 2450.0,
+    floors: Floors::DEFAULT,
+};
 pub const A: f64 = 0.48;
 pub const RHO_B: f64 = 0.62 * 2450.0;
 

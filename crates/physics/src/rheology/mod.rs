@@ -20,7 +20,7 @@ pub use bird_carreau::BirdCarreau;
 pub use casson::Casson;
 pub use cross_power_law::CrossPowerLaw;
 pub use herschel_bulkley::HerschelBulkley;
-pub use mu_i::{Granular, MuI, MuIRegularised};
+pub use mu_i::{Floors, Granular, MuI, MuIRegularised};
 pub use newtonian::Newtonian;
 pub use ngf::{Form, Law, Ngf, NgfNumerics};
 pub use power_law::PowerLaw;
@@ -95,6 +95,11 @@ pub trait LocalLaw: Send + Sync {
     fn grains(&self) -> Option<Granular> {
         None
     }
+    /// Whether the equations of motion are ill-posed there, for a law that is so somewhere; none
+    /// where the material does not yield.
+    fn is_ill_posed(&self, _at: Point) -> Option<bool> {
+        None
+    }
 }
 
 /// What a rheology may read, spelled out: there is no registry to look fields up in.
@@ -159,6 +164,16 @@ impl FlowView<'_> {
     }
 }
 
+/// Cells in which the material yields, and those of them where the law makes the equations of motion
+/// ill-posed: disturbances grow there without bounds as the mesh is refined. Of all ranks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Posedness {
+    /// Cells that yield.
+    pub yielded: usize,
+    /// Those that are ill-posed.
+    pub ill_posed: usize,
+}
+
 /// What one evaluation did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RheologyInfo {
@@ -172,6 +187,8 @@ pub struct RheologyInfo {
     pub residual: f64,
     /// Cells that asked for more friction than grains have, if any did.
     pub beyond: Option<Beyond>,
+    /// Where the law is ill-posed (none of a law that never is).
+    pub posedness: Posedness,
 }
 
 /// Why a rheology gave no viscosity.
@@ -205,7 +222,7 @@ pub trait Rheology: Send {
     fn begin_step(&mut self) {}
     /// Takes the model's own fields back to where [`Self::begin_step`] found them.
     fn rollback(&mut self) {}
-    /// Drops what the model's own fields hold where that is a guess only, and no history.
+    /// Drops what the model's own fields hold as a guess of what comes; history stays.
     fn forget(&mut self) {}
     /// The viscosity that belongs to the model's own fields as they are, without solving; returns
     /// false when the model has none and the flow must be asked.
@@ -262,8 +279,20 @@ impl<L: LocalLaw + ?Sized> Rheology for Local<L> {
                 *eta = self.0.viscosity(v.point(first + i));
             }
         });
-        let beyond = self.0.grains().and_then(|g| beyond::beyond(v, &g));
-        Ok(RheologyInfo { beyond, ..RheologyInfo::default() })
+        let grains = self.0.grains();
+        let beyond = grains.and_then(|g| beyond::beyond(v, &g));
+        let mut posedness = Posedness::default();
+        if grains.is_some() {
+            let of = |c| match self.0.is_ill_posed(v.point(c)) {
+                Some(ill) => [1.0, f64::from(u8::from(ill))],
+                None => [0.0; 2],
+            };
+            let [yielded, ill_posed] = v.exec.sums(v.mesh.n_cells, |r| {
+                r.map(of).fold([0.0; 2], |[a, b], [x, y]| [a + x, b + y])
+            });
+            posedness = Posedness { yielded: yielded as usize, ill_posed: ill_posed as usize };
+        }
+        Ok(RheologyInfo { beyond, posedness, ..RheologyInfo::default() })
     }
     fn at_points(&self, exec: &Exec, points: &Points<'_>, out: LawValues<'_>) -> bool {
         let LawValues { viscosity, slopes } = out;

@@ -4,6 +4,40 @@ use super::{Entry, LocalLaw, Point, local};
 use granflow_base::Dims;
 use granflow_dict::Reader;
 
+/// Where the granular laws would divide by zero. What happens below these has no bearing on a flow:
+/// `flow/tests/floors.rs` varies each of them a thousandfold. None is a viscosity in Pa s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Floors {
+    /// Smallest inertial number that a local law's viscosity is computed for, so that material at rest
+    /// has one.
+    pub rest: f64,
+    /// Pressure below which grains no longer touch, over the weight of one layer of grains.
+    pub loose: f64,
+    /// Inertial number of material at rest in the fluidity equation.
+    pub creep: f64,
+    /// The same where no fluidity is known to start from: quasi-static, within a few decades of what
+    /// flows.
+    pub first_guess: f64,
+    /// Least stress ratio in the primitive form: as good as none. Less than `creep` where the
+    /// fluidity is next to nothing: a floor on the rate alone would be friction there.
+    pub still: f64,
+    /// Least fluidity that the primitive form remembers, 1/s: squares of what moves so slowly are
+    /// numbers still.
+    pub fluidity: f64,
+}
+
+impl Floors {
+    /// What every run uses.
+    pub const DEFAULT: Floors = Floors {
+        rest: 1e-9,
+        loose: 1e-6,
+        creep: 1e-20,
+        first_guess: 1e-4,
+        still: 1e-9,
+        fluidity: 1e-100,
+    };
+}
+
 /// What grains are made of and how they rub: the parameters that every granular law shares.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Granular {
@@ -17,13 +51,11 @@ pub struct Granular {
     pub d: f64,
     /// Density of the grains' material, kg/m3.
     pub rho_s: f64,
+    /// Guards against divisions by zero.
+    pub floors: Floors,
 }
 
 impl Granular {
-    /// Smallest inertial number the viscosity is computed for: far below any that flows, so that
-    /// material at rest has a finite viscosity. Relative to the grains' own rate, no absolute cap.
-    const REST: f64 = 1e-9;
-
     /// Reads `mus mu2 I0 d rhos`.
     pub fn read(r: &Reader<'_>) -> Self {
         let g = Granular {
@@ -32,6 +64,7 @@ impl Granular {
             i0: r.positive("I0", Dims::NONE),
             d: r.positive("d", Dims::LENGTH),
             rho_s: r.positive("rhos", Dims::DENSITY),
+            floors: Floors::DEFAULT,
         };
         if g.mu_2 <= g.mu_s {
             let message = "mu2 must exceed mus: the material cannot weaken with its rate";
@@ -43,10 +76,9 @@ impl Granular {
     pub fn delta_mu(&self) -> f64 {
         self.mu_2 - self.mu_s
     }
-    /// Pressure below which grains no longer touch: a millionth of the weight of one grain layer.
-    /// What happens below it has no bearing on the flow (the tests vary it).
+    /// Pressure below which grains no longer touch, Pa ([`Floors::loose`]).
     pub fn loose(&self) -> f64 {
-        1e-6 * self.rho_s * 9.81 * self.d
+        self.floors.loose * self.rho_s * 9.81 * self.d
     }
     /// `sqrt(P/rho_s)/d`, the rate at which pressure rearranges grains, 1/s.
     pub fn rate(&self, pressure: f64) -> f64 {
@@ -63,7 +95,7 @@ impl Granular {
     /// The viscosity `mu P / strain rate` of a friction coefficient that depends on I.
     fn viscosity(&self, mu: impl Fn(f64) -> f64, at: Point) -> f64 {
         let rate = self.rate(at.pressure);
-        let i = (at.strain_rate / rate).max(Self::REST);
+        let i = (at.strain_rate / rate).max(self.floors.rest);
         mu(i) * at.pressure.max(self.loose()) / (i * rate)
     }
 }
@@ -88,6 +120,12 @@ impl LocalLaw for MuI {
     }
     fn grains(&self) -> Option<Granular> {
         Some(self.0)
+    }
+    fn is_ill_posed(&self, at: Point) -> Option<bool> {
+        let i = self.0.inertial_number(at.strain_rate, at.pressure);
+        // Below it material is at rest, and in tension it is no material.
+        let yields = i > self.0.floors.rest && at.pressure > self.0.loose();
+        yields.then(|| ill_posedness(&self.0, i) > 0.0)
     }
 }
 
@@ -164,8 +202,29 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    pub(crate) const BEADS: Granular =
-        Granular { mu_s: 0.3819, mu_2: 0.6435, i0: 0.279, d: 0.75e-3, rho_s: 2450.0 };
+    const BEADS: Granular = Granular {
+        mu_s: 0.3819,
+        mu_2: 0.6435,
+        i0: 0.279,
+        d: 0.75e-3,
+        rho_s: 2450.0,
+        floors: Floors::DEFAULT,
+    };
+
+    /// model.md section 5: mu(I) is ill-posed for I < 0.0194 and I > 0.852 with these beads.
+    #[test]
+    fn mu_of_i_is_ill_posed_at_low_and_at_high_rates() {
+        let at =
+            |i: f64| Point { strain_rate: i * BEADS.rate(1e3), pressure: 1e3, density: 1519.0 };
+        for (i, ill) in [(1e-6, true), (0.0192, true), (0.0196, false), (0.1, false)] {
+            assert_eq!(MuI(BEADS).is_ill_posed(at(i)), Some(ill), "{i}");
+        }
+        for (i, ill) in [(0.845, false), (0.86, true), (10.0, true)] {
+            assert_eq!(MuI(BEADS).is_ill_posed(at(i)), Some(ill), "{i}");
+        }
+        assert_eq!(MuI(BEADS).is_ill_posed(at(1e-12)), None, "at rest");
+        assert_eq!(MuIRegularised::new(BEADS, 0.05, 1.9).is_ill_posed(at(1e-3)), None);
+    }
 
     proptest! {
         /// Stress over pressure stays between mu_s and mu_2 and is what the definition says.

@@ -25,6 +25,17 @@ pub struct Law {
     pub form: Form,
 }
 
+impl Granular {
+    /// `R = sqrt(P/rho_s)/d` of a cell in which the pressure varies by `+- reach`, so that 1/R is the
+    /// mean of the cell: `int dP/sqrt(P) = 2 sqrt(P)`. Below a free surface, where P falls to zero,
+    /// 1/sqrt(P) at the centre is 29 % less than the mean.
+    pub(super) fn mean_rate(&self, pressure: f64, reach: f64) -> f64 {
+        // The lower end may be the surface itself, and a floor there would show in the mean.
+        let low = ((pressure - reach).max(0.0) / self.rho_s).sqrt() / self.d;
+        0.5 * (self.rate(pressure + reach) + low)
+    }
+}
+
 /// The local part of the equation in one cell: `k(g)` per volume, its derivative, and the size of
 /// the terms it is made of.
 #[derive(Clone, Copy, Debug, Default)]
@@ -137,10 +148,18 @@ impl Law {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rheology::Floors;
     use proptest::prelude::*;
 
     const LAW: Law = Law {
-        grains: Granular { mu_s: 0.3819, mu_2: 0.6435, i0: 0.279, d: 0.75e-3, rho_s: 2450.0 },
+        grains: Granular {
+            mu_s: 0.3819,
+            mu_2: 0.6435,
+            i0: 0.279,
+            d: 0.75e-3,
+            rho_s: 2450.0,
+            floors: Floors::DEFAULT,
+        },
         a: 0.48,
         form: Form::Steady,
     };
@@ -168,6 +187,18 @@ mod tests {
                 let t = Law { form, ..LAW }.local_terms(g, g, rate, r, 1e9);
                 assert!(t.k.abs() < 1e-9 * t.size, "{form:?} at I = {i}: {}", t.k / t.size);
             }
+        }
+    }
+
+    /// The mean of 1/R over a cell, against 20000 midpoints.
+    #[test]
+    fn rates_are_cell_means() {
+        for (p, reach) in [(10.0, 10.0), (10.0, 9.0), (10.0, 1.0), (10.0, 0.0)] {
+            let n = 20_000;
+            let at = |k: i32| p + reach * ((2 * k + 1) as f64 / n as f64 - 1.0);
+            let sum: f64 = (0..n).map(|k| 1.0 / LAW.grains.rate(at(k))).sum();
+            let off = LAW.grains.mean_rate(p, reach) * sum / n as f64 - 1.0;
+            assert!(off.abs() < 4e-3, "{p} +- {reach}: {off}");
         }
     }
 

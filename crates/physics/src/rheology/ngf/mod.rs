@@ -16,6 +16,7 @@
 //! `t0 Dg/Dt = A^2 d^2 lap g - dmu (mu_s - mu)/(mu_2 - mu) g - b sqrt(rho_s d^2/P) mu g^2`, b = dmu/I0.
 
 mod law;
+mod rates;
 mod spread;
 
 pub use law::{Form, Law};
@@ -55,6 +56,9 @@ pub struct Ngf {
     g_old: Vec<f64>,
     /// Whether `g` holds a fluidity (from a file or an update) or only zeros.
     known: bool,
+    /// Whether `g_old` holds one although `g` does not: the step iterates from a guess, and history
+    /// is what it was.
+    remembers: bool,
     numerics: NgfNumerics,
     eqn: Equation<f64>,
     /// Share of the faces through which the fluidity spreads: 1 but beside another fluid.
@@ -111,6 +115,7 @@ impl Balance<'_> {
                 }
                 // What enters or leaves with the surface of the grains counts as carried.
                 let g_old = v.share.map_or(1.0, |s| s.old[c] / s.now[c]) * self.g_old[c];
+                let g_old = g_old.max(self.law.grains.floors.fluidity);
                 let [rate, spread, local] = [self.rate[c], self.spread[c], self.local[c]];
                 *t = self.law.cell_mean(g[c], g_old, rate, spread, local, v.dt);
                 if v.share.is_some() {
@@ -174,6 +179,7 @@ impl Ngf {
             g: Unknown::new(mesh, "fluidity", Dims::RATE, 0.0, conditions),
             g_old: vec![0.0; all],
             known: false,
+            remembers: false,
             numerics,
             linear: vec![0.0; eqn.a.val.len()],
             eqn,
@@ -359,16 +365,7 @@ impl Ngf {
     /// The linear part of the equation with the conditions of g, and the local rates.
     fn prepare(&mut self, v: &FlowView<'_>) -> Result<(), RheologyError> {
         let n = v.mesh.n_cells;
-        // Without a fluidity to start from, material at rest is taken to creep everywhere.
-        let rest = if self.known { AT_REST } else { FIRST_GUESS };
-        let (grains, pressure, strain_rate) = (self.law.grains, v.pressure, v.strain_rate);
-        v.exec.for_each2(&mut self.local, &mut self.rate, |first, local, rate| {
-            for i in 0..local.len() {
-                let c = first + i;
-                local[i] = grains.rate(pressure[c]);
-                rate[i] = strain_rate[c].max(rest * local[i]);
-            }
-        });
+        self.local_rates(v);
         self.measure_spread(v);
         self.enclose(v);
         let (law, mu, local) = (self.law, &self.mu, &self.local);
@@ -440,10 +437,11 @@ impl Ngf {
     /// Viscosity, paper eq. 1: `eta = P/g`; none where there are no grains.
     fn viscosity(&self, v: &FlowView<'_>, eta: &mut CellField<f64>) {
         let (g, loose, pressure) = (&self.g.cells.data, self.law.grains.loose(), v.pressure);
+        let least = self.law.grains.floors.fluidity * f64::EPSILON;
         v.exec.for_each(&mut eta.data[..v.mesh.n_cells], |first, out| {
             for (i, eta) in out.iter_mut().enumerate() {
                 let c = first + i;
-                *eta = if v.has(c) { pressure[c].max(loose) / g[c] } else { 0.0 };
+                *eta = if v.has(c) { pressure[c].max(loose) / g[c].max(least) } else { 0.0 };
             }
         });
     }
@@ -456,10 +454,6 @@ fn least_fluidity(rate: f64, spread: f64, mu_2: f64) -> f64 {
 
 /// Most Newton iterations of one update.
 const MOST_NEWTON: usize = 200;
-/// Inertial number of material at rest: small enough to leave any creeping zone alone.
-const AT_REST: f64 = 1e-20;
-/// Inertial number of the first guess: quasi-static, within a few decades of what flows.
-const FIRST_GUESS: f64 = 1e-4;
 
 impl Rheology for Ngf {
     fn update(
@@ -470,7 +464,7 @@ impl Rheology for Ngf {
         // Without a fluidity to start from there is none to remember: grains that are about to move
         // are in equilibrium with the first guess of their rate. (Remembering zero would hold
         // them rigid for as long as dt is less than t0.)
-        let first = !self.known;
+        let first = !self.known && !self.remembers;
         let v = &FlowView { dt: if first { f64::INFINITY } else { v.dt }, ..*v };
         self.prepare(v)?;
         let mut info = self.newton(v)?;
@@ -484,16 +478,16 @@ impl Rheology for Ngf {
         Ok(info)
     }
     fn begin_step(&mut self) {
+        self.remembers = false;
         self.g_old.copy_from_slice(&self.g.cells.data);
     }
     fn rollback(&mut self) {
         self.g.cells.data.copy_from_slice(&self.g_old);
     }
     fn forget(&mut self) {
-        if self.law.form == Form::Steady {
-            self.g.cells.data.fill(0.0);
-            self.known = false;
-        }
+        self.remembers = self.known && self.law.form != Form::Steady;
+        self.g.cells.data.fill(0.0);
+        self.known = false;
     }
     fn recall(&mut self, v: &FlowView<'_>, eta: &mut CellField<f64>) -> bool {
         let positive =

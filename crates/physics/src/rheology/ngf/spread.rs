@@ -36,24 +36,27 @@ impl InnerFit {
         }
     }
 
-    /// Standard deviation of `mu` (ghosts fresh) within each cell over its mean:
-    /// `sum_f (grad mu . (x_f - x))^2 / 6` is the variance of a linear function over a brick.
+    /// Standard deviation of `x` (ghosts fresh) within cell `c`:
+    /// `sum_f (grad x . (x_f - x))^2 / 6` is the variance of a linear function over a brick.
+    pub(super) fn deviation(&self, v: &FlowView<'_>, x: &[f64], c: usize) -> f64 {
+        let (mesh, gradient) = (v.mesh, self.gradient(v, x, c));
+        let mut variance = 0.0;
+        for (f, _) in mesh.faces_of(c) {
+            let arm = sub(mesh.face_centre[f], mesh.cell_centre[c]);
+            variance += dot(gradient, arm).powi(2) / 6.0;
+        }
+        variance.sqrt()
+    }
+
+    /// Standard deviation of `mu` (ghosts fresh) within each cell over its mean.
     pub(super) fn spread(&self, v: &FlowView<'_>, mu: &[f64], out: &mut [f64]) {
-        let mesh = v.mesh;
         v.exec.for_each(out, |first, out| {
             for (i, spread) in out.iter_mut().enumerate() {
                 let c = first + i;
                 *spread = 0.0;
-                if mu[c] <= 0.0 || !v.has(c) {
-                    continue;
+                if mu[c] > 0.0 && v.has(c) {
+                    *spread = self.deviation(v, mu, c).min(MOST_SPREAD * mu[c]) / mu[c];
                 }
-                let gradient = self.gradient(v, mu, c);
-                let mut variance = 0.0;
-                for (f, _) in mesh.faces_of(c) {
-                    let arm = sub(mesh.face_centre[f], mesh.cell_centre[c]);
-                    variance += dot(gradient, arm).powi(2) / 6.0;
-                }
-                *spread = variance.sqrt().min(MOST_SPREAD * mu[c]) / mu[c];
             }
         });
     }
