@@ -42,28 +42,27 @@ fn jump(flow: &Flow) -> f64 {
 #[test]
 #[ignore]
 fn table() {
-    for geometric in [true, false] {
-        for n in [16, 32, 64] {
-            let mut flow = drop(n, geometric, 12000.0);
-            // Brackbill's limit: sqrt(rho h^3/(2 pi sigma)) with the mean density.
-            let h = 1.0 / n as f64;
-            let dt = 0.5 * (h.powi(3) / std::f64::consts::TAU).sqrt();
-            // Time in D^2/nu... capillary time sqrt(rho D^3/sigma) = 0.354.
-            let end = 4.0;
-            let steps = (end / dt).ceil() as usize;
-            let clock = std::time::Instant::now();
+    for (n, la, share) in [(24, 12000.0, 0.5), (24, 12000.0, 0.25), (24, 120.0, 0.5)] {
+        let mut flow = drop(n, true, la);
+        let h = 1.0 / n as f64;
+        let dt = share * (h.powi(3) / std::f64::consts::TAU).sqrt();
+        let steps = (2.0 / dt).ceil() as usize;
+        print!("n {n} La {la} dt {share}:");
+        let mut next = 0.0;
+        for i in 0..steps {
             flow.step(dt).expect("a step");
-            println!("geometric {geometric} n {n} jump-1 {:.2e}", jump(&flow) - 1.0);
-            let mut next = 0.0;
-            for i in 1..steps {
-                flow.step(dt).expect("a step");
-                if i as f64 * dt > next {
-                    next += 0.5;
-                    // U* = u sqrt(rho D/sigma).
-                    println!("   t {:.3} jump-1 {:.2e} U {:.2e}", i as f64 * dt, jump(&flow) - 1.0, fastest(&flow) * 0.5f64.sqrt());
-                }
+            if i as f64 * dt >= next {
+                next += 0.25;
+                print!(" {:.1e}/{:.1e}", jump(&flow) - 1.0, fastest(&flow) * 0.5f64.sqrt());
             }
-            println!("   {:.2} s, {} steps", clock.elapsed().as_secs_f64(), steps);
+        }
+        println!();
+        let a = alpha(&flow);
+        let mut v: Vec<(f64, usize)> = (0..flow.mesh.n_cells).map(|c| (granflow_base::norm(flow.state.u.cells.data[c]), c)).collect();
+        v.sort_by(|a, b| b.0.total_cmp(&a.0));
+        for (u, c) in &v[..6] {
+            let d = sub(flow.mesh.cell_centre[*c], [0.507, 0.496, 0.0]);
+            println!("   u {u:.2e} {:?} at r/R {:.2} angle {:.0} alpha {:.3}", flow.state.u.cells.data[*c].map(|x| (x / u * 100.0).round() / 100.0), (d[0].hypot(d[1])) / 0.25, d[1].atan2(d[0]).to_degrees(), a[*c]);
         }
     }
 }

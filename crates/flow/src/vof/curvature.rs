@@ -3,14 +3,21 @@
 
 use super::corners::Corners;
 use super::paraboloid::Fit;
-use super::reconstruct::{BLOCK, Plane, Reconstructor, plane_in, with_body};
+use super::reconstruct::{BLOCK, Plane, Reconstructor, plane_in, ridged_inverse, with_body};
 use super::stencil::Stencil;
-use granflow_base::{Tensor, Value, Vec3, add, dot, norm, scale, sub, unit};
+use granflow_base::{Tensor, Value, Vec3, add, apply, dot, norm, scale, sub, unit};
+use granflow_fv::Differentiable;
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
 
 /// Planes at a greater angle than this belong to another part of the interface.
 const LEAST_COSINE: f64 = 0.3;
+/// Square of the distance, in units of the cells' spacing, from which planes have no say: about two
+/// cells. Were they all equal, a zigzag of the interface would have a curvature of the wrong sign, and
+/// grow: a parabola through five points takes 1 -1 1 -1 1 for a valley.
+const FAR: f64 = 5.5;
+/// The same for the mean of curvatures: it must not turn the sign of a zigzag, either.
+const NEAR: f64 = 3.5;
 /// Cells from a wall within which its angle counts.
 const REACH: f64 = 1.5;
 
@@ -98,7 +105,7 @@ impl Curvature {
             self.value[c as usize] = p.curvature;
         }
         stencil.halo.update(exec, &mut self.value);
-        self.average(exec, stencil, r);
+        self.average(exec, mesh, stencil, r);
         stencil.halo.update(exec, &mut self.value);
     }
 
@@ -148,6 +155,8 @@ impl Curvature {
         let Curvature { pieces, area, normal, offset, spread, .. } = self;
         let (area, normal, offset, spread) = (&*area, &*normal, &*offset, &*spread);
         let centre = |c: usize| add(stencil.centre[c], offset[c]);
+        // Of a ball both principal curvatures are the same, of a circle there is one.
+        let share = if mesh.solved_dirs == [true; 3] { 0.5 } else { 1.0 };
         exec.for_each_block(pieces, BLOCK, |first, out| {
             for (i, piece) in out.iter_mut().enumerate() {
                 let c = mixed[first + i] as usize;
@@ -161,6 +170,7 @@ impl Curvature {
                 };
                 // Halfway to what a wall asks for, or heights would have no end.
                 let up = unit(walls().fold(n, |s, m| add(s, m.normal)));
+                let metric = stencil_metric(stencil, mesh.solved_dirs, c);
                 let reach = |&d: &u32| norm(sub(stencil.centre[d as usize], stencil.centre[c]));
                 let size = stencil.around(c).iter().map(reach).fold(0.0, f64::max);
                 let mut fit = Fit::new(here, up, mesh.solved_dirs, size);
@@ -171,8 +181,10 @@ impl Curvature {
                     if area[d] <= 0.0 || cosine < LEAST_COSINE {
                         continue;
                     }
-                    let weight = area[d] * cosine;
-                    fit.polygon(centre(d), &spread[d], weight);
+                    let arm = sub(centre(d), here);
+                    let near = (1.0 - dot(arm, apply(&metric, arm)) / FAR).max(0.0);
+                    let weight = area[d] * cosine * near * near;
+                    fit.polygon(centre(d), &spread[d], piece.curvature * share, weight);
                     total += weight;
                 }
                 for m in walls() {
@@ -188,21 +200,31 @@ impl Curvature {
 
     /// The mean over the cells around, so that neighbouring cells pull alike; cells without an
     /// interface that have one beside them get one, too.
-    fn average(&mut self, exec: &Exec, stencil: &Stencil, r: &Reconstructor) {
+    fn average(&mut self, exec: &Exec, mesh: &Mesh, stencil: &Stencil, r: &Reconstructor) {
         self.means.clear();
         self.means.resize(r.near.len(), 0.0);
-        let (value, area, normal) = (&self.value, &self.area, &self.normal);
-        exec.for_each_block(&mut self.means, BLOCK, |first, out| {
+        let Curvature { value, area, normal, offset, means, .. } = self;
+        let (value, area, normal, offset) = (&*value, &*area, &*normal, &*offset);
+        let centre = |c: usize| add(stencil.centre[c], offset[c]);
+        exec.for_each_block(means, BLOCK, |first, out| {
             for (i, mean) in out.iter_mut().enumerate() {
                 let c = r.near[first + i] as usize;
+                let mixed = normal[c] != [0.0; 3];
+                let metric = stencil_metric(stencil, mesh.solved_dirs, c);
                 let (mut sum, mut weight) = (0.0, 0.0);
                 for &d in stencil.around(c).iter().chain(&[c as u32]) {
                     let d = d as usize;
-                    let other = normal[c] != [0.0; 3] && dot(normal[c], normal[d]) < LEAST_COSINE;
-                    if !other {
-                        sum += area[d] * value[d];
-                        weight += area[d];
+                    if area[d] <= 0.0 || (mixed && dot(normal[c], normal[d]) < LEAST_COSINE) {
+                        continue;
                     }
+                    let w = if mixed {
+                        let arm = sub(centre(d), centre(c));
+                        area[d] * (1.0 - dot(arm, apply(&metric, arm)) / NEAR).max(0.0).powi(2)
+                    } else {
+                        area[d]
+                    };
+                    sum += w * value[d];
+                    weight += w;
                 }
                 *mean = if weight > 0.0 { sum / weight } else { value[c] };
             }
@@ -211,6 +233,18 @@ impl Curvature {
             self.value[c as usize] = k;
         }
     }
+}
+
+/// The inverse of the mean of `d d` over the cells around `c`: a length squared by it is in units of
+/// the cells' spacing, whatever their aspect; 1.33 for a neighbour in a mesh of squares.
+fn stencil_metric(stencil: &Stencil, solved: [bool; 3], c: usize) -> Tensor {
+    let mut m = [0.0; 9];
+    for &d in stencil.around(c) {
+        let mut arm = sub(stencil.centre[d as usize], stencil.centre[c]);
+        (0..3).filter(|&k| !solved[k]).for_each(|k| arm[k] = 0.0);
+        m = m.axpy(1.0 / stencil.around(c).len() as f64, Vec3::dyad(arm, arm));
+    }
+    ridged_inverse(m, 1e-9)
 }
 
 /// A boundary face and the interface's normal there.

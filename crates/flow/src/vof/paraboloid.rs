@@ -15,6 +15,9 @@ const TERMS: usize = 6;
 /// coefficients of directions along which nothing is known are null.
 const RIDGE: f64 = 1e-9;
 
+/// Greatest curvature times reach that is made good for: beyond, the mesh does not resolve the surface.
+const MOST_BEND: f64 = 0.5;
+
 /// Heights over a plane to which a paraboloid is fitted.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fit {
@@ -64,8 +67,9 @@ impl Fit {
     }
 
     /// The mean height over a polygon around `centre` is the centre's; `spread` is the mean of `d d` over
-    /// it, with d from its centre, m2.
-    pub(super) fn polygon(&mut self, centre: Vec3, spread: &Tensor, weight: f64) {
+    /// it, with d from its centre, m2. A ball of curvature `ball` (1/R, 1/m) is no paraboloid: what it
+    /// falls below its own is made good.
+    pub(super) fn polygon(&mut self, centre: Vec3, spread: &Tensor, ball: f64, weight: f64) {
         let [first, second, normal] = self.axes;
         let arm = sub(centre, self.origin);
         let (u, v) = (dot(first, arm) / self.size, dot(second, arm) / self.size);
@@ -74,7 +78,9 @@ impl Fit {
         let (uu, uv, vv) =
             (k * dot(first, along), k * dot(first, across), k * dot(second, across));
         let row = [1.0, u, v, u * u + uu, u * v + uv, v * v + vv];
-        self.row(row, dot(normal, arm) / self.size, weight);
+        let bend = (self.size * ball).clamp(-MOST_BEND, MOST_BEND);
+        let fall = bend.powi(3) * (row[3] + row[5]).powi(2) / 8.0;
+        self.row(row, dot(normal, arm) / self.size + fall, weight);
     }
 
     /// The surface is normal to `normal` on the wall through `on_wall` with the outward normal

@@ -469,7 +469,7 @@ pub(super) fn gradient<T: Differentiable>(
 /// The inverse of a symmetric matrix with a `share` of its trace added to the diagonal, finite
 /// where it is singular (one cell between walls): the right-hand side is null there, too.
 #[inline]
-fn ridged_inverse(mut m: Tensor, share: f64) -> Tensor {
+pub(super) fn ridged_inverse(mut m: Tensor, share: f64) -> Tensor {
     let ridge = share * (m[0] + m[4] + m[8]);
     (0..3).for_each(|k| m[4 * k] += ridge);
     inverse_symmetric(&m)
