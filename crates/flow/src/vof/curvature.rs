@@ -144,14 +144,7 @@ impl Curvature {
     }
 
     /// A paraboloid around every mixed cell.
-    fn fit(
-        &mut self,
-        exec: &Exec,
-        mesh: &Mesh,
-        stencil: &Stencil,
-        mixed: &[u32],
-        cosine: &[f64],
-    ) {
+    fn fit(&mut self, exec: &Exec, mesh: &Mesh, stencil: &Stencil, mixed: &[u32], cosine: &[f64]) {
         let Curvature { pieces, area, normal, offset, spread, .. } = self;
         let (area, normal, offset, spread) = (&*area, &*normal, &*offset, &*spread);
         let centre = |c: usize| add(stencil.centre[c], offset[c]);

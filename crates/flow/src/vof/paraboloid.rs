@@ -75,8 +75,7 @@ impl Fit {
         let (u, v) = (dot(first, arm) / self.size, dot(second, arm) / self.size);
         let (along, across) = (apply(spread, first), apply(spread, second));
         let k = self.size.powi(-2);
-        let (uu, uv, vv) =
-            (k * dot(first, along), k * dot(first, across), k * dot(second, across));
+        let (uu, uv, vv) = (k * dot(first, along), k * dot(first, across), k * dot(second, across));
         let row = [1.0, u, v, u * u + uu, u * v + uv, v * v + vv];
         let bend = (self.size * ball).clamp(-MOST_BEND, MOST_BEND);
         let fall = bend.powi(3) * (row[3] + row[5]).powi(2) / 8.0;
