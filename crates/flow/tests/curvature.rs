@@ -5,9 +5,9 @@
 mod vof_common;
 
 use granflow_base::Vec3;
-use granflow_flow::vof::{Geometric, GeometricParams, Params, Shape};
-use granflow_mesh::{PatchKind, PolyMesh, shapes};
-use granflow_par::Exec;
+use granflow_flow::vof::{Corners, Geometric, GeometricParams, Params, Shape, fill};
+use granflow_mesh::{Mesh, PatchKind, PolyMesh, decompose, partition, shapes};
+use granflow_par::{Exec, InProcess};
 use vof_common::*;
 
 /// A mesh along x and y sheared and bent smoothly, then its points shaken by a tenth of a cell.
@@ -121,4 +121,74 @@ fn an_ellipse_is_curved_more_at_its_tips() {
     }
     println!("ellipse: greatest error {most:e}");
     assert!(most < 0.03, "{most}");
+}
+
+/// A cap that meets the wall below at an angle whose cosine is 1/3, and is told `cosine`: curvature of
+/// its cells at the wall over the exact one, least and greatest.
+fn at_the_wall(cosine: f64) -> [f64; 2] {
+    let (n, radius) = (54, 0.3);
+    let poly = square(n, PatchKind::Patch);
+    let params = GeometricParams::default();
+    let run = Run::new(Exec::serial(), poly, &Params::Geometric(params.clone()), |_| [0.0; 3]);
+    let mut vof = Geometric::new(&run.exec, &run.poly, &run.mesh, params).expect("a method");
+    let alpha = run.exact(&[(1.0, disc(0.507, -0.1, radius))]);
+    let angles: Vec<f64> = (run.mesh.n_inner..run.mesh.n_faces())
+        .map(|f| if run.mesh.normal(f)[1] < -0.5 { cosine } else { f64::NAN })
+        .collect();
+    let (curvature, area) = vof.curvature(&run.exec, &run.mesh, &alpha, &angles);
+    let low = |c: &usize| area[*c] > 0.0 && run.mesh.cell_centre[*c][1] < 1.0 / n as f64;
+    let all = (0..run.mesh.n_cells).filter(low).map(|c| curvature[c] * radius);
+    all.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], k| [a.min(k), b.max(k)])
+}
+
+#[test]
+fn walls_bend_the_interface_that_meets_them() {
+    let right = at_the_wall(1.0 / 3.0);
+    let [repelled, drawn] = [0.2, 0.5].map(at_the_wall);
+    println!("right {right:?}, repelled {repelled:?}, drawn {drawn:?}");
+    assert!(right[0] > 0.99 && right[1] < 1.01, "{right:?}");
+    // A wall that the fluid likes less than its cap shows pushes it off: more pressure at the wall.
+    assert!(repelled[0] > 1.2 && drawn[1] < 0.8, "{repelled:?} {drawn:?}");
+}
+
+/// Curvature of a ball in the cells of the whole mesh, from several ranks.
+fn on_ranks(poly: &PolyMesh, part: &[u32]) -> Vec<f64> {
+    let meshes = decompose(poly, part).expect("parts");
+    let one = |comm: InProcess, mesh: &Mesh| {
+        let exec = Exec::new(1, Box::new(comm));
+        let mut vof =
+            Geometric::new(&exec, poly, mesh, GeometricParams::default()).expect("a method");
+        let mut alpha = vec![0.0; mesh.n_all()];
+        let shape = Shape::sphere([0.15, 0.4, 0.45], 0.3);
+        fill(&exec, mesh, &Corners::new(poly, mesh), &shape, &mut alpha);
+        let angles = vec![0.0; mesh.n_faces()];
+        let curvature = vof.curvature(&exec, mesh, &alpha, &angles).0;
+        mesh.global_cell.iter().copied().zip(curvature.iter().copied()).collect::<Vec<_>>()
+    };
+    let parts: Vec<_> = std::thread::scope(|s| {
+        let one = &one;
+        let ranks: Vec<_> = InProcess::world(meshes.len())
+            .into_iter()
+            .zip(&meshes)
+            .map(|(comm, mesh)| s.spawn(move || one(comm, mesh)))
+            .collect();
+        ranks.into_iter().map(|r| r.join().expect("a rank")).collect()
+    });
+    let mut whole = vec![f64::NAN; part.len()];
+    parts.iter().flatten().for_each(|(c, k)| whole[*c as usize] = *k);
+    whole
+}
+
+#[test]
+fn ranks_agree_with_one() {
+    let poly = shapes::displaced(&shapes::periodic_box([10; 3], [true, false, true]), 0.15, 1);
+    let serial = on_ranks(&poly, &vec![0; 1000]);
+    let size = serial.iter().map(|k| k.abs()).fold(0.0, f64::max);
+    assert!(size > 2.0, "a ball is curved: {size}");
+    for ranks in [2, 3, 5] {
+        let parallel = on_ranks(&poly, &partition(&poly, ranks));
+        let differ = serial.iter().zip(&parallel).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        println!("{ranks} ranks: {differ:e} of {size}");
+        assert!(differ < 1e-7 * size, "{ranks} ranks: {differ}");
+    }
 }
