@@ -18,7 +18,7 @@ const LEAST_COSINE: f64 = 0.3;
 const FAR: f64 = 5.5;
 /// The same for the mean of curvatures: it must not turn the sign of a zigzag, either.
 const NEAR: f64 = 3.5;
-/// Cells from a wall within which its angle counts.
+/// Distance from a wall within which its angle counts, over that of the farthest cell around.
 const REACH: f64 = 1.5;
 
 /// How often planes are turned to the paraboloid before the last one is fitted.

@@ -4,8 +4,7 @@
 //! polygon that the cell cuts out of the plane is that of the polygon's centre, but for terms of
 //! fourth order. Heights of centres are not: a curve lies above its chord's middle. So the fit is
 //! one of means over polygons (Z. Jibben, N. N. Carlson, M. M. Francois, Comput. Math. Appl. 78 (2019)
-//! 643; F. Evrard, F. Denner, B. van Wachem, J. Comput. Phys. 398 (2019) 108868), which takes their
-//! second moments. Least squares; lengths are scaled by what the fit reaches.
+//! 643), which takes their second moments. Least squares; lengths are scaled by what the fit reaches.
 
 use granflow_base::{Tensor, Value, Vec3, apply, cross, dot, sub, unit};
 
