@@ -209,7 +209,7 @@ impl Flow {
         let Flow { exec, mesh, state, two_phase, gravity, fluid, .. } = self;
         let State { alpha, time, phi, .. } = state;
         let (Some(two), Some(alpha)) = (two_phase, alpha) else { return };
-        let TwoPhase { work: t, sigma, rho_2, .. } = &mut **two;
+        let TwoPhase { work: t, sigma, rho_2, vof, .. } = &mut **two;
         let around = granflow_fv::Surroundings {
             time: *time,
             contact_gradient: &t.tension.contact_gradient,
@@ -217,7 +217,7 @@ impl Flow {
         };
         alpha.update(exec, mesh, &around, Some(phi));
         if *sigma != 0.0 {
-            t.tension.update(exec, mesh, alpha);
+            t.tension.update(exec, mesh, alpha, vof);
         }
         t.levels.update(exec, mesh, alpha);
         let weighs = gravity.hydrostatic != [0.0; 3];

@@ -1,10 +1,12 @@
 //! Surface tension as a force on faces, `sigma K d alpha/dn` (J. U. Brackbill, D. B. Kothe, C.
-//! Zemach, J. Comput. Phys. 100 (1992) 335), with the curvature from the divergence of the
-//! interface's unit normals, and the angle at which the interface meets a wall.
+//! Zemach, J. Comput. Phys. 100 (1992) 335). The curvature is that of the reconstructed interface
+//! ([`crate::vof::Geometric::curvature`]) or, where fractions are smeared by algebraic transport, the
+//! divergence of the unit normals of smoothed fractions. Either knows the angles at walls.
 
+use crate::vof::Vof;
 use granflow_base::{Value, Vec3, add, dot, norm, scale};
 use granflow_fv::{Gradient, Surroundings, Unknown};
-use granflow_mesh::Mesh;
+use granflow_mesh::{Mesh, PatchKind};
 use granflow_par::Exec;
 
 /// How often the volume fraction is smoothed before normals are taken from it: fractions of a sharp
@@ -32,6 +34,8 @@ pub(crate) struct SurfaceTension {
     weight: Vec<f64>,
     /// Flux of the unit normal through the faces, m2.
     normal_flux: Vec<f64>,
+    /// Cosine of the angle at which the interface meets each boundary face, NaN where nothing is known.
+    cosine: Vec<f64>,
     /// Gradient below which there is no interface, 1/m: 1e-8 over the mean cell's size.
     least_gradient: f64,
 }
@@ -49,6 +53,7 @@ impl SurfaceTension {
             takes: (0..mesh.n_faces()).map(|f| f < mesh.n_inner).collect(),
             weight: vec![0.0; mesh.n_all()],
             normal_flux: vec![0.0; mesh.n_faces()],
+            cosine: vec![f64::NAN; mesh.n_faces() - mesh.n_inner],
             least_gradient: 1e-8 / (volume / cells).cbrt(),
         }
     }
@@ -81,9 +86,14 @@ impl SurfaceTension {
         }
     }
 
-    /// Curvature `-div(n)` with the normals `n = grad alpha/|grad alpha|` of the faces. The
-    /// conditions of `alpha` are up to date.
-    pub(crate) fn update(&mut self, exec: &Exec, mesh: &Mesh, alpha: &mut Unknown<f64>) {
+    /// Curvature of the interface; the conditions of `alpha` are up to date.
+    pub(crate) fn update(
+        &mut self,
+        exec: &Exec,
+        mesh: &Mesh,
+        alpha: &mut Unknown<f64>,
+        vof: &mut Vof,
+    ) {
         let a = &alpha.cells.data;
         exec.for_each(&mut self.weight, |first, out| {
             for (i, w) in out.iter_mut().enumerate() {
@@ -91,6 +101,36 @@ impl SurfaceTension {
                 *w = a * (1.0 - a) + LEAST_WEIGHT;
             }
         });
+        match vof {
+            Vof::Algebraic(_) => self.curve_smoothed(exec, mesh, alpha),
+            Vof::Geometric(vof) => {
+                self.find_cosines(mesh, alpha);
+                let curvature = vof.curvature(exec, mesh, &alpha.cells.data, &self.cosine).0;
+                self.curvature[..mesh.n_cells].copy_from_slice(&curvature[..mesh.n_cells]);
+                mesh.halo.update(exec, &mut self.curvature);
+            }
+        }
+    }
+
+    /// The angles at which walls are met. Where a wall or a plane of symmetry says nothing else, the
+    /// interface is normal to it, as its fraction does not change there.
+    fn find_cosines(&mut self, mesh: &Mesh, alpha: &Unknown<f64>) {
+        use PatchKind::{Symmetry, SymmetryPlane, Wall};
+        for (patch, condition) in mesh.patches.iter().zip(&alpha.conditions) {
+            let meets = matches!(patch.kind, Wall | Symmetry | SymmetryPlane);
+            let cosine = match condition.contact_angle() {
+                Some(angle) => angle.cos(),
+                None if meets && !condition.fixes_value() => 0.0,
+                None => f64::NAN,
+            };
+            self.cosine[patch.faces.start - mesh.n_inner..patch.faces.end - mesh.n_inner]
+                .fill(cosine);
+        }
+    }
+
+    /// Curvature `-div(n)` with the normals `n = grad alpha/|grad alpha|` of the faces, for fractions
+    /// that are smeared over some cells, where no plane tells where the interface is.
+    fn curve_smoothed(&mut self, exec: &Exec, mesh: &Mesh, alpha: &mut Unknown<f64>) {
         for (patch, condition) in mesh.patches.iter().zip(&alpha.conditions) {
             self.takes[patch.faces.clone()].fill(condition.contact_angle().is_some());
         }

@@ -7,7 +7,8 @@
 //! & Hernandez, J. Comput. Phys. 227 (2008) 5939), which is how it is inverted.
 
 use super::corners::Corners;
-use granflow_base::{Vec3, add, cross, dot, norm, scale, sub};
+use granflow_base::{Tensor, Value, Vec3, add, cross, dot, norm, scale, sub};
+use granflow_fv::Differentiable;
 use granflow_mesh::Mesh;
 
 /// A cell's surface. Reused from cell to cell: it allocates for the largest cell only.
@@ -168,6 +169,23 @@ impl Body {
         let section = section_of(&rim);
         self.rim = rim;
         section
+    }
+
+    /// Mean of `d d` over the level surface, with d from its centroid, m2; null where it has no area.
+    pub fn spread(&mut self, level: f64, values: &[f64]) -> Tensor {
+        let Some(section) = self.section(level, values) else { return [0.0; 9] };
+        let (mut weight, mut sum) = (0.0, [0.0; 9]);
+        for &(a, b) in &self.rim {
+            // Of a triangle with one corner at the centroid: (a a + b b + (a + b)(a + b))/12.
+            let (a, b) = (sub(a, section.centre), sub(b, section.centre));
+            let w = dot(cross(a, b), section.area);
+            let both = add(a, b);
+            weight += w;
+            for (x, k) in [(a, w), (b, w), (both, w)] {
+                sum = sum.axpy(k / 12.0, Vec3::dyad(x, x));
+            }
+        }
+        sum.scaled(1.0 / weight)
     }
 
     /// The level below which lies the share `fraction` of the volume. With `plane`, the values

@@ -8,6 +8,7 @@
 //!    the next cell downwind if it has no room either.
 
 use super::corners::Corners;
+use super::curvature::Curvature;
 use super::face_integral::{FaceWork, Front};
 use super::reconstruct::{BLOCK, Interface, Reconstruct, Reconstructor, gradient};
 use super::stencil::Stencil;
@@ -64,6 +65,9 @@ pub struct Geometric {
     corners: Corners,
     stencil: Stencil,
     reconstructor: Reconstructor,
+    /// Iterations that the interface took.
+    iterations: usize,
+    curvature: Curvature,
     /// Inner faces behind which lie ghosts.
     coupled_faces: Vec<u32>,
     /// Velocity in the cells near the interface, wide, m/s.
@@ -108,8 +112,10 @@ impl Geometric {
         let ghost = |&f: &u32| mesh.neighbour[f as usize] as usize >= n;
         Ok(Geometric {
             params,
+            curvature: Curvature::new(&stencil),
             corners,
             reconstructor,
+            iterations: 0,
             coupled_faces: (0..mesh.n_inner as u32).filter(ghost).collect(),
             velocity: vec![[0.0; 3]; all],
             near_velocity: Vec::with_capacity(n),
@@ -125,7 +131,8 @@ impl Geometric {
         })
     }
 
-    /// The interface as of the beginning of the last sub-step.
+    /// The interface found last: as of the beginning of the last sub-step, or of what
+    /// [`Self::reconstruct`] was called with since.
     pub fn interface(&self) -> &Interface {
         &self.reconstructor.interface
     }
@@ -137,9 +144,34 @@ impl Geometric {
     pub fn stencil(&self) -> &Stencil {
         &self.stencil
     }
+    /// Curvature of the interface of `alpha` as it stands, and the area of the interface that it is
+    /// worth, both in the layout of [`Self::interface`]: 1/m, positive where fluid 1 is a drop, and
+    /// m2. It reaches one cell beyond the mixed ones. `cosine` is that of the angle at which the
+    /// interface meets each boundary face, measured through fluid 1; NaN where nothing is known.
+    pub fn curvature(
+        &mut self,
+        exec: &Exec,
+        mesh: &Mesh,
+        alpha: &[f64],
+        cosine: &[f64],
+    ) -> (&[f64], &[f64]) {
+        self.reconstruct(exec, mesh, alpha);
+        let Geometric { curvature, corners, stencil, reconstructor, .. } = self;
+        curvature.update(exec, mesh, corners, stencil, reconstructor, cosine);
+        (&curvature.value, &curvature.area)
+    }
     /// Finds the interface of `alpha` as it stands, without moving it.
+    /// Nothing is done where it is known.
     pub fn reconstruct(&mut self, exec: &Exec, mesh: &Mesh, alpha: &[f64]) -> usize {
-        self.reconstructor.update(exec, mesh, &self.corners, &self.stencil, alpha)
+        let known = &self.reconstructor.alpha;
+        let changed = exec.max(self.stencil.n_cells, |r| {
+            f64::from(u8::from(r.into_iter().any(|c| known[c].to_bits() != alpha[c].to_bits())))
+        });
+        if changed > 0.0 {
+            self.iterations =
+                self.reconstructor.update(exec, mesh, &self.corners, &self.stencil, alpha);
+        }
+        self.iterations
     }
 
     /// See [`super::Vof::advance`].

@@ -13,10 +13,12 @@ mod algebraic;
 mod body;
 mod compression;
 mod corners;
+mod curvature;
 mod face_integral;
 mod fill;
 mod geometric;
 mod limiter;
+mod paraboloid;
 mod reconstruct;
 mod stencil;
 

@@ -57,10 +57,10 @@ pub struct Interface {
 
 /// One cell's plane while it is worked out.
 #[derive(Clone, Copy, Debug, Default)]
-struct Plane {
-    normal: Vec3,
-    offset: Vec3,
-    area: f64,
+pub(super) struct Plane {
+    pub(super) normal: Vec3,
+    pub(super) offset: Vec3,
+    pub(super) area: f64,
 }
 
 /// Finds the interface; owns what that takes.
@@ -395,7 +395,7 @@ pub(super) fn with_body<R>(corners: &Corners, f: impl FnOnce(&mut Body, &mut Vec
 }
 
 /// The plane with a given normal that leaves the share `alpha` of the body behind it.
-fn plane_in(body: &mut Body, values: &mut Vec<f64>, normal: Vec3, alpha: f64) -> Plane {
+pub(super) fn plane_in(body: &mut Body, values: &mut Vec<f64>, normal: Vec3, alpha: f64) -> Plane {
     values.clear();
     values.extend(body.points().iter().map(|&p| dot(normal, p)));
     let level = body.find_level(values, Some(normal), alpha);
@@ -469,7 +469,7 @@ pub(super) fn gradient<T: Differentiable>(
 /// The inverse of a symmetric matrix with a `share` of its trace added to the diagonal, finite
 /// where it is singular (one cell between walls): the right-hand side is null there, too.
 #[inline]
-fn ridged_inverse(mut m: Tensor, share: f64) -> Tensor {
+pub(super) fn ridged_inverse(mut m: Tensor, share: f64) -> Tensor {
     let ridge = share * (m[0] + m[4] + m[8]);
     (0..3).for_each(|k| m[4 * k] += ridge);
     inverse_symmetric(&m)
