@@ -55,11 +55,10 @@ impl Flow {
         let TwoPhase { work: t, .. } = &mut **two;
         t.forces.balance(exec, mesh, &state.p, numerics.non_orthogonal);
         let (b, forces, volume) = (&w.u_eqn.b, &t.forces, &mesh.volume);
-        let rho = &w.rho.data;
         exec.for_each(&mut w.b, |first, out| {
             for (i, rhs) in out.iter_mut().enumerate() {
                 let c = first + i;
-                *rhs = b[c].axpy(-volume[c], forces.in_cell(mesh, rho, c));
+                *rhs = b[c].axpy(-volume[c], forces.in_cell(mesh, c));
             }
         });
         crate::momentum::keep_solved(exec, mesh, &mut w.b);

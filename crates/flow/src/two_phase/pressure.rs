@@ -192,12 +192,11 @@ impl Flow {
             }
         });
         let (h, r_a, forces) = (&w.hby_a, &w.r_a.data, &*forces);
-        let rho = &w.rho.data;
         let solved = mesh.solved_dirs.map(|solved| if solved { 1.0 } else { 0.0 });
         exec.for_each(&mut state.u.cells.data[..mesh.n_cells], |first, u| {
             for (i, u) in u.iter_mut().enumerate() {
                 let c = first + i;
-                *u = h[c].axpy(-r_a[c], forces.in_cell(mesh, rho, c));
+                *u = h[c].axpy(-r_a[c], forces.in_cell(mesh, c));
                 (0..3).for_each(|k| u[k] *= solved[k]);
             }
         });
