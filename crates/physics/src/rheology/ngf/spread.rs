@@ -1,4 +1,4 @@
-//! How much the stress ratio varies within a cell.
+//! How much a quantity, the stress ratio or the pressure, varies within a cell.
 
 use super::FlowView;
 use granflow_base::{Tensor, Value, Vec3, apply, dot, inverse_symmetric, sub};
