@@ -90,7 +90,7 @@ fn scratch(name: &str) -> Result<PathBuf, String> {
     Ok(dir)
 }
 
-fn copy_case(from: &Path, name: &str) -> Result<PathBuf, String> {
+pub(crate) fn copy_case(from: &Path, name: &str) -> Result<PathBuf, String> {
     let dir = scratch(name)?;
     run::copy_dir(from, &dir).map_err(|e| format!("{}: {e}", from.display()))?;
     Ok(dir)

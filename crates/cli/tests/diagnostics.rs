@@ -161,6 +161,8 @@ bad! {
     two_phases: cavity().edit(TRANSPORT, "transportModel ", "phases (water air);\ntransportModel ");
     other_heights: dam().write("constant/hRef", "dimensions [0 1 0 0 0 0 0]; value 0.1;");
     one_phase_of_two: dam().edit(TRANSPORT, "phases (water air);", "phases (water);");
+    phase_misspelt_in_the_list: dam().edit(TRANSPORT, "phases (water air);", "phases (water aire);");
+    phase_without_dictionary: dam().edit(TRANSPORT, "phases (water air);", "phases (water methane);");
     phase_without_density: dam().edit(TRANSPORT, "    rho             1000;\n", "");
     grains_beside_air: dam().edit(TRANSPORT, "transportModel  Newtonian;\n    nu              1e-06;", "transportModel muI; mus 0.3; mu2 0.6; I0 0.3; d 1e-3; rhos 2500;");
     backward_with_two_phases: dam().edit(SCHEMES, "default Euler", "default backward");

@@ -1,5 +1,6 @@
 //! One time step of two fluids: interface, mixture, momentum, pressure.
 
+use crate::vof::Drive;
 use crate::{Flow, Report, State, StepError};
 use granflow_fv::Surroundings;
 use std::sync::Arc;
@@ -122,7 +123,7 @@ impl Flow {
         };
         t.vof = two
             .vof
-            .advance(exec, mesh, alpha, phi, dt, &around)
+            .advance(exec, mesh, alpha, Drive { phi, dt, around: &around })
             .map_err(|source| StepError::Interface { time: *time, source: Arc::new(source) })?;
         self.refresh_mixture();
         Ok(())
