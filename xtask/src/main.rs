@@ -26,6 +26,7 @@ usage: cargo xtask TASK [OPTIONS]
         [--granflow PATH] the program to time; built in release mode by default
   compare [NAME ...]      laminar tutorials of interFoam and interIsoFoam through both programs,
                           cell by cell; needs OpenFOAM and its examples
+        [--again]         only compares what the last runs left
         [--examples DIR]  where they are; Debian's place by default
         [--granflow PATH] the program to run; built in release mode by default
   validate [NAME ...]     the catalogue of cases at full resolution against its references";
