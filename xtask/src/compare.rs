@@ -386,20 +386,22 @@ impl Cells {
             wet.fold(f64::MIN, f64::max)
         };
         let centroid = |m: &Moment| sum(&|c| m.alpha[c] * x[c]) / sum(&|c| m.alpha[c]);
-        // Pressures against a level of their own: closed boxes have none.
+        // Mean difference beside the range of theirs.
         let apart = |a: &[f64], b: &[f64], cells: &mut dyn Iterator<Item = usize>| {
             let (mut off, mut most, mut least, mut n) = (0.0, f64::MIN, f64::MAX, 0.0f64);
             for c in cells {
                 off += (a[c] - b[c]).abs();
                 (most, least, n) = (b[c].max(most), b[c].min(least), n + 1.0);
             }
-            (off / n.max(1.0), most - least)
+            match n {
+                0.0 => "-".to_owned(),
+                n => format!("{:.3} of {:.0} Pa", off / n, most - least),
+            }
         };
-        let (p, p_range) = apart(&a.p, &b.p, &mut self.at_walls.iter().copied());
-        let (rgh, rgh_range) = apart(&a.p_rgh, &b.p_rgh, &mut (0..x.len()));
+        let p = apart(&a.p, &b.p, &mut self.at_walls.iter().copied());
+        let p_rgh = apart(&a.p_rgh, &b.p_rgh, &mut (0..x.len()));
         format!(
-            "{:.3} % | {volume:+.1e} | {:.4}, {:.4} | {:+.3} % | {p:.3} of {p_range:.0} Pa | {rgh:.3} of \
-             {rgh_range:.0} Pa",
+            "{:.3} % | {volume:+.1e} | {:.4}, {:.4} | {:+.3} % | {p} | {p_rgh}",
             100.0 * l1,
             front(a),
             front(b),

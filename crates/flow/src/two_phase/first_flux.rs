@@ -12,8 +12,9 @@ const LEFT: f64 = 1e-12;
 
 impl Flow {
     /// Takes the gradient of a potential from the flux that the first velocity has, as far as that
-    /// is not free of divergence. Nothing changes on boundaries that give the velocity. Every rank
-    /// must call.
+    /// is not free of divergence. Nothing changes on boundaries that give the velocity, nor what
+    /// momentum remembers of the first velocity: that is for the pressure to correct. Every rank must
+    /// call, after the old flux has been remembered.
     pub(super) fn project_first_flux(&mut self) -> Result<(), StepError> {
         let time = self.state.time;
         let level_fixed = self.level_fixed;
@@ -34,6 +35,7 @@ impl Flow {
             *slope = if *open { 0.0 } else { 1.0 };
         }
         let failed = |source| StepError::Solve { field: "p_rgh", time, source };
+        let mut count = crate::SolveCount::default();
         for _ in 0..PASSES {
             w.phi_star.data.copy_from_slice(phi);
             w.p_prime.cells.data.fill(0.0);
@@ -48,7 +50,7 @@ impl Flow {
             let x = &mut w.p_prime.cells.data;
             let result = numerics.p.solver.solve(exec, &w.p_eqn.a, b, x, &tolerance);
             let purpose = crate::Purpose::Correction;
-            let solved = crate::settle(result, x, purpose, &mut w.solves[1]).map_err(failed)?;
+            let solved = crate::settle(result, x, purpose, &mut count).map_err(failed)?;
             if solved.iterations == 0 {
                 break;
             }

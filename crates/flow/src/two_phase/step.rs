@@ -33,10 +33,10 @@ impl Flow {
     /// What [`Flow::step`] does with two fluids, with errors as they come.
     pub(crate) fn advance_two_phases(&mut self, dt: f64) -> Result<Report, StepError> {
         let starts = self.state.step == 0;
+        self.begin_step(dt);
         if starts {
             self.project_first_flux()?;
         }
-        self.begin_step(dt);
         self.refresh_mixture();
         if let (Some(two), Some(alpha)) = (&mut self.two_phase, &self.state.alpha) {
             two.work.alpha_start.copy_from_slice(&alpha.cells.data);
