@@ -79,18 +79,23 @@ fn kernels() -> Result<(), String> {
     Ok(())
 }
 
-/// A directory of its own for a copy of a case, empty.
-fn scratch(name: &str) -> Result<PathBuf, String> {
+/// Where the copy of a case has its directory.
+pub(crate) fn scratch_place(name: &str) -> PathBuf {
     let target = std::env::var_os("CARGO_TARGET_DIR")
         .map_or_else(|| run::root().join("target"), PathBuf::from);
-    let dir = target.join("xtask-bench").join(name);
+    target.join("xtask-bench").join(name)
+}
+
+/// A directory of its own for a copy of a case, empty.
+fn scratch(name: &str) -> Result<PathBuf, String> {
+    let dir = scratch_place(name);
     if dir.exists() {
         fs::remove_dir_all(&dir).map_err(|e| format!("{}: {e}", dir.display()))?;
     }
     Ok(dir)
 }
 
-fn copy_case(from: &Path, name: &str) -> Result<PathBuf, String> {
+pub(crate) fn copy_case(from: &Path, name: &str) -> Result<PathBuf, String> {
     let dir = scratch(name)?;
     run::copy_dir(from, &dir).map_err(|e| format!("{}: {e}", from.display()))?;
     Ok(dir)

@@ -1,10 +1,12 @@
-//! The project's one task runner: `cargo xtask ci|bench|docs|validate`.
+//! The project's one task runner: `cargo xtask ci|bench|compare|docs|validate`.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a task runner talks to a person")]
 
 mod bench;
 mod ci;
+mod compare;
 mod docs;
+mod foam_field;
 mod links;
 mod run;
 mod totals;
@@ -22,6 +24,11 @@ usage: cargo xtask TASK [OPTIONS]
   bench [PART ...]        timings; PART is kernels, annular or cavity (all of them by default)
         [--repeat N]      runs of each program, 3 by default; medians are printed
         [--granflow PATH] the program to time; built in release mode by default
+  compare [NAME ...]      laminar tutorials of interFoam and interIsoFoam through both programs,
+                          cell by cell; needs OpenFOAM and its examples
+        [--again]         only compares what the last runs left
+        [--examples DIR]  where they are; Debian's place by default
+        [--granflow PATH] the program to run; built in release mode by default
   validate [NAME ...]     the catalogue of cases at full resolution against its references";
 
 fn main() -> ExitCode {
@@ -29,6 +36,7 @@ fn main() -> ExitCode {
     let (task, rest) = args.split_first().map_or(("", &args[..]), |(t, r)| (t.as_str(), r));
     let outcome = match task {
         "ci" => ci::task(rest),
+        "compare" => compare::task(rest),
         "docs" => docs::task(rest),
         "bench" => bench::task(rest),
         "validate" => validate::task(rest),

@@ -261,6 +261,8 @@ impl Worker {
             derived,
             grains: case.config.transport.grains,
             alpha: flow.state.alpha.as_ref(),
+            phi: &flow.state.phi.data,
+            mass_flux: flow.mass_flux(),
             density: flow.density(),
             gravity: flow.gravity.hydrostatic,
             pressure_factor: case.pressure_factor(),

@@ -98,6 +98,40 @@ fn forces_of_couette_flow_are_exact_and_balance() {
     assert_eq!(last("residuals/0/residuals.dat")[0], 3000.0);
 }
 
+/// U = y/h on eight rows of faces 0.1 m x h/8; the flow goes along `yMax` and comes through `xMin`.
+#[test]
+fn patches_are_summed_and_averaged() {
+    let function = |name: &str, patch: &str, operation: &str, fields: &str| {
+        format!(
+            "{name} {{ type surfaceFieldValue; writeFields no; regionType patch; name {patch};
+             operation {operation}; fields ({fields}); }}"
+        )
+    };
+    let all = [
+        function("lid", "yMax", "areaAverage", "U p"),
+        function("drag", "yMax", "areaIntegrate", "U"),
+        function("leak", "yMax", "sumMag", "phi"),
+        function("most", "yMax", "max", "U"),
+    ];
+    let dir = couette(&all.join("\n"));
+    run(dir.path(), &until(3000.0));
+    let last = |name: &str| {
+        let path = format!("postProcessing/{name}/0/surfaceFieldValue.dat");
+        let text = read(dir.path(), &path);
+        let row = text.lines().last().unwrap();
+        row.split(['\t', ' ', '(', ')']).filter_map(|w| w.parse().ok()).collect::<Vec<f64>>()
+    };
+    let near = |found: &[f64], wanted: &[f64]| {
+        assert_eq!(found.len(), wanted.len(), "{found:?}");
+        let apart = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-12;
+        assert!(found.iter().zip(wanted).all(apart), "{found:?}");
+    };
+    near(&last("lid"), &[3000.0, 1.0, 0.0, 0.0, 0.0]);
+    near(&last("drag"), &[3000.0, 0.03, 0.0, 0.0]);
+    near(&last("leak"), &[3000.0, 0.0]);
+    near(&last("most"), &[3000.0, 1.0, 0.0, 0.0]);
+}
+
 #[test]
 fn figures_are_drawn_from_what_functions_wrote() {
     let dir = couette("c { type profile; fields (U); start (0.1 0 0.05); end (0.1 0.2 0.05); }");

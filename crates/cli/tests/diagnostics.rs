@@ -161,6 +161,8 @@ bad! {
     two_phases: cavity().edit(TRANSPORT, "transportModel ", "phases (water air);\ntransportModel ");
     other_heights: dam().write("constant/hRef", "dimensions [0 1 0 0 0 0 0]; value 0.1;");
     one_phase_of_two: dam().edit(TRANSPORT, "phases (water air);", "phases (water);");
+    phase_misspelt_in_the_list: dam().edit(TRANSPORT, "phases (water air);", "phases (water aire);");
+    phase_without_dictionary: dam().edit(TRANSPORT, "phases (water air);", "phases (water methane);");
     phase_without_density: dam().edit(TRANSPORT, "    rho             1000;\n", "");
     backward_with_two_phases: dam().edit(SCHEMES, "default Euler", "default backward");
     unknown_reconstruction: dam().edit(SOLUTION, "nAlphaCorr      2;", "reconstructionScheme plicRdf; nAlphaCorr 0;");

@@ -8,7 +8,7 @@ mod vof_common;
 use counting::ALLOCATIONS;
 use granflow_base::Dims;
 use granflow_flow::vof::{
-    AlgebraicParams, GeometricParams, Params, Reconstruct, Shape, Vof, VofReport, fill,
+    AlgebraicParams, Drive, GeometricParams, Params, Reconstruct, Shape, Vof, VofReport, fill,
 };
 use granflow_fv::{FaceField, Surroundings, Unknown};
 use granflow_mesh::{PolyMesh, decompose, partition, shapes};
@@ -82,9 +82,10 @@ fn on_ranks(poly: &PolyMesh, part: &[u32], p: &Params) -> (Vec<f64>, VofReport) 
         let mut phi = FaceField::new(mesh, "phi", Dims::VOLUME_FLUX, 0.0);
         flux_of(poly, mesh, uniform([1.0, 0.6, 0.3]), &mut phi.data);
         let around = Surroundings::default();
+        let drive = Drive { phi: &phi, dt: 0.02, around: &around };
         let mut report = VofReport::default();
         for _ in 0..10 {
-            report = vof.advance(&exec, mesh, &mut alpha, &phi, 0.02, &around).expect("a step");
+            report = vof.advance(&exec, mesh, &mut alpha, drive).expect("a step");
         }
         let cells = &alpha.cells.data[..mesh.n_cells];
         (mesh.global_cell.iter().copied().zip(cells.to_vec()).collect::<Vec<_>>(), report)

@@ -48,11 +48,8 @@ impl<T: Differentiable> Unknown<T> {
         mesh.halo.update(exec, &mut self.cells.data);
         for (patch, condition) in mesh.patches.iter().zip(&mut self.conditions) {
             let faces = patch.faces.clone();
-            if faces.is_empty() {
-                continue;
-            }
             let b = faces.start - mesh.n_inner..faces.end - mesh.n_inner;
-            let view = PatchView {
+            let mut view = PatchView {
                 faces: faces.clone(),
                 inv_dist: &mesh.inv_dist[faces.clone()],
                 area: &mesh.area[faces.clone()],
@@ -61,9 +58,18 @@ impl<T: Differentiable> Unknown<T> {
                 owner: &mesh.owner[faces.clone()],
                 owner_centre: &mesh.cell_centre,
                 cells: &self.cells.data,
-                flux: flux.map(|f| &f.data[faces]),
+                flux: flux.map(|f| &f.data[faces.clone()]),
+                totals: [0.0; 2],
                 around,
             };
+            // A rank that has no faces of the patch takes part in the sums.
+            if let Some(mut totals) = condition.totals(&view) {
+                exec.comm().sum(&mut totals);
+                view.totals = totals;
+            }
+            if faces.is_empty() {
+                continue;
+            }
             condition.update(&view, &mut self.closure.patch(b));
         }
     }

@@ -68,7 +68,7 @@ impl CaseConfig {
         let functions = crate::functions::read(&reader);
         reader.finish(Severity::Warning);
         let schemes = match files::dict(root, "system/fvSchemes", sink)? {
-            Some(d) => Schemes::read(&d, sink, notices),
+            Some(d) => Schemes::read(&d, transport.second.is_some(), sink, notices),
             None => Schemes::default(),
         };
         let solution_dict = files::dict(root, "system/fvSolution", sink)?.unwrap_or_default();
@@ -83,11 +83,6 @@ impl CaseConfig {
             sink,
             notices,
         );
-        if two.is_some() && schemes.ddt != granflow_flow::TimeScheme::Euler {
-            let path = root.join("system/fvSchemes").display().to_string();
-            let message = "two phases move by the Euler scheme only";
-            sink.push(Diag::file(path, message).help("write `ddtSchemes { default Euler; }`"));
-        }
         let vof = two.map(|two| {
             let geometric = control.application == "interIsoFoam";
             let (alpha, scheme) = (two.alpha(), schemes.alpha);

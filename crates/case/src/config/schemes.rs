@@ -44,13 +44,13 @@ impl Default for Schemes {
 }
 
 impl Schemes {
-    /// Reads the dictionary; mistakes go to the sink.
-    pub(super) fn read(dict: &Dict, sink: &Sink, notices: &Notices) -> Schemes {
+    /// Reads the dictionary for one phase or `two`; mistakes go to the sink.
+    pub(super) fn read(dict: &Dict, two: bool, sink: &Sink, notices: &Notices) -> Schemes {
         let r = Reader::new(dict, sink);
         let mut s = Schemes::default();
         if let Some(sub) = r.opt_sub("ddtSchemes") {
             let key = first_of(&sub, &["ddt(U)", "ddt(rho,U)", "ddt(rho*U)", "default"]);
-            s.ddt = key.map_or(s.ddt, |k| ddt(&sub, k));
+            s.ddt = key.map_or(s.ddt, |k| ddt(&sub, k, two));
             leave(&sub, "ddt(");
         }
         if let Some(sub) = r.opt_sub("gradSchemes") {
@@ -102,14 +102,22 @@ fn leave(r: &Reader<'_>, of: &str) {
     }
 }
 
-fn ddt(r: &Reader<'_>, key: &str) -> TimeScheme {
+fn ddt(r: &Reader<'_>, key: &str, two: bool) -> TimeScheme {
     let Some(mut t) = r.tokens(key) else { return TimeScheme::Euler };
     let at = t.here();
     let word = t.word("the time scheme");
     let refuse = |message: &str, help: &str| t.error_at(&at, message, "not available", Some(help));
+    let known_schemes = match two {
+        true => "write `Euler` (first order)",
+        false => "write `Euler` (first order) or `backward` (second order)",
+    };
     match word {
         "Euler" => {}
-        "backward" => return TimeScheme::Backward,
+        "backward" if !two => return TimeScheme::Backward,
+        "backward" => {
+            refuse("two phases move by the Euler scheme only", "write `Euler`");
+            return TimeScheme::Euler;
+        }
         "steadyState" => {
             refuse(
                 "the steady solver is not there yet",
@@ -119,10 +127,7 @@ fn ddt(r: &Reader<'_>, key: &str) -> TimeScheme {
             return TimeScheme::Euler;
         }
         "CrankNicolson" | "CoEuler" | "localEuler" | "SLTS" | "bounded" => {
-            refuse(
-                &format!("the time scheme `{word}` is not supported"),
-                "write `Euler` (first order) or `backward` (second order)",
-            );
+            refuse(&format!("the time scheme `{word}` is not supported"), known_schemes);
             return TimeScheme::Euler;
         }
         "" => return TimeScheme::Euler,

@@ -2,7 +2,7 @@
 
 use crate::{CaseError, Notices, files};
 use granflow_base::Dims;
-use granflow_dict::{Diag, Dict, Entry, Reader, Severity, Sink, Value};
+use granflow_dict::{Diag, Dict, Entry, Reader, Severity, Sink, Token, Value, nearest};
 use granflow_flow::{Mixing, Pores};
 use granflow_linsolve::{SolverSpec, Tolerance, build};
 use granflow_mesh::{Mesh, shapes};
@@ -58,6 +58,24 @@ const SURFACE_TENSION: Dims = Dims::new(1, 0, -2);
 /// Models whose density must be given: their stress is written in Pa.
 const GRANULAR: &[&str] = &["muI", "muIRegularised", "NGF"];
 
+/// `phases` names a phase that has no dictionary: which of both is misspelt nobody knows.
+fn no_such_phase(r: &Reader<'_>, name: &str, names: &[&str]) {
+    let word = |t: &&Token| t.word() == Some(name);
+    let at = r.raw("phases").and_then(|t| t.iter().find(word)).map(|t| t.span.clone());
+    let at = at.unwrap_or_else(|| r.value_span("phases"));
+    let strangers = r.keys().into_iter().filter(|k| !names.contains(k));
+    let help = match nearest(name, strangers) {
+        Some(near) => {
+            // It has had its word.
+            r.ignore(near);
+            format!("there is a dictionary `{near}`: one of the two is misspelt")
+        }
+        None => format!("add `{name} {{ transportModel ...; }}`"),
+    };
+    let message = format!("the phase `{name}` has no dictionary");
+    r.error_at(&at, message, "named here", Some(&help));
+}
+
 impl Transport {
     /// Reads the file; mistakes go to the sink.
     pub(super) fn read(
@@ -107,6 +125,10 @@ impl Transport {
         };
         let sigma = r.non_negative("sigma", SURFACE_TENSION);
         let phase = |name: &str| {
+            if !r.has(name) {
+                no_such_phase(&r, name, &names);
+                return Transport::water();
+            }
             let Some(sub) = r.sub(name) else { return Transport::water() };
             let mut dict = sub.dict().clone();
             sub.ignore_all();

@@ -14,6 +14,7 @@ mod residuals;
 pub(crate) mod schedule;
 mod set_flow;
 mod sets;
+mod surface_field_value;
 mod track;
 
 pub use quantity::{Derivations, Quantity, View};
@@ -98,6 +99,7 @@ pub const ALL: &[Entry] = &[
     forces::ENTRY,
     residuals::ENTRY,
     field_min_max::ENTRY,
+    surface_field_value::ENTRY,
     phase::ENTRY,
     set_flow::ENTRY,
 ];

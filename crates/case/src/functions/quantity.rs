@@ -187,6 +187,10 @@ pub struct View<'a> {
     pub grains: Option<Granular>,
     /// Volume fraction of the first phase, where there are two.
     pub alpha: Option<&'a Unknown<f64>>,
+    /// Volume flux through faces, m3/s.
+    pub phi: &'a [f64],
+    /// Mass flux through faces in the last step, kg/s, where there are two phases.
+    pub mass_flux: Option<&'a [f64]>,
     /// Density in the cells, kg/m3.
     pub density: &'a [f64],
     /// The part of gravity in p_rgh, m/s2.

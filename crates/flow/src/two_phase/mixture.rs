@@ -29,6 +29,11 @@ impl Flow {
         }
     }
 
+    /// Mass flux through faces that carried momentum in the last step, kg/s; `None` with one fluid.
+    pub fn mass_flux(&self) -> Option<&[f64]> {
+        self.two_phase.as_ref().map(|_| &self.work.rho_phi.data[..])
+    }
+
     /// `rho phi = (rho_1 - rho_2) alphaPhi + rho_2 phi`: the density moves as the fraction does.
     pub(crate) fn mix_mass_flux(&mut self) {
         let Flow { exec, state, work: w, fluid, two_phase, .. } = self;

@@ -8,6 +8,7 @@
 //! 572). So what balances on the faces moves no cell, on any mesh.
 
 mod face_forces;
+mod first_flux;
 mod grains;
 mod level;
 mod mixing;

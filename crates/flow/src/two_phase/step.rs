@@ -1,5 +1,6 @@
 //! One time step of two fluids: interface, mixture, momentum, pressure.
 
+use crate::vof::Drive;
 use crate::{Flow, Report, State, StepError};
 use granflow_fv::Surroundings;
 use std::sync::Arc;
@@ -33,6 +34,9 @@ impl Flow {
     pub(crate) fn advance_two_phases(&mut self, dt: f64) -> Result<Report, StepError> {
         let starts = self.state.step == 0;
         self.begin_step(dt);
+        if starts {
+            self.project_first_flux()?;
+        }
         self.refresh_mixture();
         if let (Some(two), Some(alpha)) = (&mut self.two_phase, &self.state.alpha) {
             two.work.alpha_start.copy_from_slice(&alpha.cells.data);
@@ -122,7 +126,7 @@ impl Flow {
         };
         t.vof = two
             .vof
-            .advance(exec, mesh, alpha, phi, dt, &around)
+            .advance(exec, mesh, alpha, Drive { phi, dt, around: &around })
             .map_err(|source| StepError::Interface { time: *time, source: Arc::new(source) })?;
         self.refresh_mixture();
         Ok(())

@@ -8,11 +8,10 @@
 use super::compression::Compression;
 use super::geometric::cell_velocity;
 use super::limiter::FluxLimiter;
-use super::{VofError, VofReport, bounds_of, outflow, volume_of};
+use super::{Drive, VofError, VofReport, bounds_of, outflow, volume_of};
 use granflow_base::{Dims, Vec3, norm};
 use granflow_fv::{
-    CellField, Convection, Ddt, Equation, FaceField, Gradient, LimiterKind, Surroundings, Unknown,
-    ddt, div,
+    CellField, Convection, Ddt, Equation, FaceField, Gradient, LimiterKind, Unknown, ddt, div,
 };
 use granflow_linsolve::{LinearSolver, SolverSpec, Tolerance, build};
 use granflow_mesh::Mesh;
@@ -127,10 +126,9 @@ impl Algebraic {
         exec: &Exec,
         mesh: &Mesh,
         alpha: &mut Unknown<f64>,
-        phi: &FaceField<f64>,
-        dt: f64,
-        around: &Surroundings<'_>,
+        drive: Drive<'_>,
     ) -> Result<VofReport, VofError> {
+        let Drive { phi, dt, around } = drive;
         let n = mesh.n_cells;
         let cycles = self.params.n_alpha_sub_cycles.max(1);
         let step = dt / cycles as f64;

@@ -12,9 +12,9 @@ use super::curvature::Curvature;
 use super::face_integral::{FaceWork, Front};
 use super::reconstruct::{BLOCK, Interface, Reconstruct, Reconstructor, gradient};
 use super::stencil::Stencil;
-use super::{VofError, VofReport, bounds_of, outflow, volume_of};
+use super::{Drive, VofError, VofReport, bounds_of, outflow, volume_of};
 use granflow_base::{Dims, Vec3, add, apply, dot, inverse_symmetric, scale};
-use granflow_fv::{FaceField, Surroundings, Unknown};
+use granflow_fv::{FaceField, Unknown};
 use granflow_mesh::{Mesh, PolyMesh};
 use granflow_par::Exec;
 use std::cell::RefCell;
@@ -183,10 +183,9 @@ impl Geometric {
         exec: &Exec,
         mesh: &Mesh,
         alpha: &mut Unknown<f64>,
-        phi: &FaceField<f64>,
-        dt: f64,
-        around: &Surroundings<'_>,
+        drive: Drive<'_>,
     ) -> Result<VofReport, VofError> {
+        let Drive { phi, dt, around } = drive;
         let n = mesh.n_cells;
         let cycles = self.params.n_alpha_sub_cycles.max(1);
         let step = dt / cycles as f64;

@@ -52,6 +52,17 @@ pub enum Vof {
     Geometric(Box<Geometric>),
 }
 
+/// What carries a fraction in a step.
+#[derive(Clone, Copy)]
+pub struct Drive<'a> {
+    /// Volume fluxes, m3/s, which hold for the whole step and are free of divergence.
+    pub phi: &'a FaceField<f64>,
+    /// Length of the step, s.
+    pub dt: f64,
+    /// What conditions of the fraction see.
+    pub around: &'a Surroundings<'a>,
+}
+
 /// What a step did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VofReport {
@@ -114,8 +125,7 @@ impl Vof {
         })
     }
 
-    /// Moves `alpha` by `dt` with the volume fluxes `phi` (m3/s), which hold for the whole step
-    /// and are free of divergence. Ghosts and conditions of `alpha` are up to date on return.
+    /// Moves `alpha` by a step. Ghosts and conditions of `alpha` are up to date on return.
     ///
     /// # Errors
     /// [`VofError`]; `alpha` is then of no use.
@@ -124,13 +134,11 @@ impl Vof {
         exec: &Exec,
         mesh: &Mesh,
         alpha: &mut Unknown<f64>,
-        phi: &FaceField<f64>,
-        dt: f64,
-        around: &Surroundings<'_>,
+        drive: Drive<'_>,
     ) -> Result<VofReport, VofError> {
         match self {
-            Vof::Algebraic(a) => a.advance(exec, mesh, alpha, phi, dt, around),
-            Vof::Geometric(g) => g.advance(exec, mesh, alpha, phi, dt, around),
+            Vof::Algebraic(a) => a.advance(exec, mesh, alpha, drive),
+            Vof::Geometric(g) => g.advance(exec, mesh, alpha, drive),
         }
     }
 

@@ -2,7 +2,7 @@
 #![allow(dead_code, unreachable_pub)]
 
 use granflow_base::{Dims, Vec3, add, dot, scale, sub};
-use granflow_flow::vof::{self, Corners, Params, Shape, Vof, VofReport};
+use granflow_flow::vof::{self, Corners, Drive, Params, Shape, Vof, VofReport};
 use granflow_fv::conditions::{OfPatchType, ZeroGradient};
 use granflow_fv::{Condition, FaceField, Surroundings, Unknown};
 use granflow_mesh::{Mesh, PatchKind, PolyMesh, shapes};
@@ -168,10 +168,11 @@ impl Run {
         for _ in 0..steps {
             let k = strength(self.time + 0.5 * dt);
             self.phi.data.iter_mut().zip(&self.steady).for_each(|(p, s)| *p = k * s);
+            let around = Surroundings::default();
             let clock = std::time::Instant::now();
             let Run { vof, exec, mesh, alpha, phi, .. } = self;
             report =
-                vof.advance(exec, mesh, alpha, phi, dt, &Surroundings::default()).expect("a step");
+                vof.advance(exec, mesh, alpha, Drive { phi, dt, around: &around }).expect("a step");
             self.seconds += clock.elapsed().as_secs_f64();
             let boundary = &self.vof.alpha_phi().data[self.mesh.n_inner..];
             self.crossed_boundary += dt * boundary.iter().map(|q| q.abs()).sum::<f64>();

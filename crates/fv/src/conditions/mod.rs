@@ -13,6 +13,7 @@ mod basic;
 mod contact_angle;
 mod coulomb_friction;
 mod flow_direction;
+mod flow_rate;
 mod local_fluidity;
 mod pressure;
 mod registry;
@@ -24,6 +25,7 @@ pub use basic::{FixedGradient, FixedValue, ZeroGradient};
 pub use contact_angle::{ConstantAlphaContactAngle, ContactLimit};
 pub use coulomb_friction::CoulombFriction;
 pub use flow_direction::{InletOutlet, PressureInletOutletVelocity};
+pub use flow_rate::{FlowRateInlet, FlowRateOutlet};
 pub use local_fluidity::LocalFluidity;
 pub use pressure::{FixedFluxPressure, PrghPressure, TotalPressure};
 pub use registry::{ALL, Entry, PatchContext, read_scalar, read_vector};
@@ -135,6 +137,8 @@ pub struct PatchView<'a, T> {
     pub cells: &'a [T],
     /// Outward flux through the faces, where the field is transported.
     pub flux: Option<&'a [f64]>,
+    /// What [`Condition::totals`] gave, summed over all ranks.
+    pub totals: [f64; 2],
     /// Everything else.
     pub around: &'a Surroundings<'a>,
 }
@@ -150,6 +154,11 @@ impl<T> PatchView<'_, T> {
 pub trait Condition<T>: Send + Sync {
     /// The name in the field file.
     fn name(&self) -> &'static str;
+    /// Sums over the faces of the patch that [`Self::update`] needs of all ranks together; they come
+    /// back in [`PatchView::totals`].
+    fn totals(&self, _: &PatchView<'_, T>) -> Option<[f64; 2]> {
+        None
+    }
     /// Fills the closure of the patch.
     fn update(&mut self, view: &PatchView<'_, T>, closure: &mut PatchClosure<'_, T>);
     /// The angle at which an interface meets the wall, through fluid 1, if the condition gives one,

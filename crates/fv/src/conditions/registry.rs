@@ -3,9 +3,9 @@
 
 use super::{
     Condition, ConstantAlphaContactAngle, ContactLimit, CoulombFriction, FixedFluxPressure,
-    FixedGradient, FixedValue, InletOutlet, LocalFluidity, OfPatchType,
-    PressureInletOutletVelocity, PrghPressure, RotatingWall, Slip, TimeTable, TotalPressure,
-    UniformFixedValue, ZeroGradient,
+    FixedGradient, FixedValue, FlowRateInlet, FlowRateOutlet, InletOutlet, LocalFluidity,
+    OfPatchType, PressureInletOutletVelocity, PrghPressure, RotatingWall, Slip, TimeTable,
+    TotalPressure, UniformFixedValue, ZeroGradient,
 };
 use granflow_base::{Dims, Value, Vec3, norm, unit};
 use granflow_dict::{FieldValue, Reader};
@@ -126,6 +126,28 @@ fn pressure_inlet_outlet(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condit
     }
     Box::new(PressureInletOutletVelocity)
 }
+/// `volumetricFlowRate`, the one form whose meaning does not depend on a density.
+fn flow_rate(r: &Reader<'_>) -> TimeTable<f64> {
+    leave_value(r);
+    for key in ["rho", "rhoInlet", "rhoOutlet"] {
+        r.ignore(key);
+    }
+    if r.has("massFlowRate") {
+        let help = "give the volume per second: `volumetricFlowRate`";
+        r.error_at_key("massFlowRate", "a mass flow rate is not supported", "set here", Some(help));
+    }
+    if r.opt_switch("extrapolateProfile", false) {
+        let message = "a flow rate with an extrapolated profile is not supported";
+        r.error_at_key("extrapolateProfile", message, "set here", None);
+    }
+    TimeTable::read(r, "volumetricFlowRate", Dims::VOLUME_FLUX)
+}
+fn flow_rate_inlet(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    Box::new(FlowRateInlet { rate: flow_rate(r) })
+}
+fn flow_rate_outlet(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    Box::new(FlowRateOutlet { rate: flow_rate(r) })
+}
 fn local_fluidity(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
     leave_value(r);
     Box::new(LocalFluidity)
@@ -245,6 +267,22 @@ pub const ALL: &[Entry] = &[
         reference: "OpenFOAM user guide, boundary conditions",
         scalar: None,
         vector: Some(pressure_inlet_outlet),
+    },
+    Entry {
+        name: "flowRateInletVelocity",
+        summary: "inflow of a given volume per second, the same speed along the normal everywhere, \
+                  constant or a table against time",
+        reference: "OpenFOAM user guide, boundary conditions",
+        scalar: None,
+        vector: Some(flow_rate_inlet),
+    },
+    Entry {
+        name: "flowRateOutletVelocity",
+        summary: "outflow of a given volume per second with the profile that arrives, constant or a \
+                  table against time",
+        reference: "OpenFOAM user guide, boundary conditions",
+        scalar: None,
+        vector: Some(flow_rate_outlet),
     },
     Entry {
         name: "noSlip",

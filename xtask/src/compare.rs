@@ -1,0 +1,411 @@
+//! The laminar tutorials of `interFoam` and `interIsoFoam` through both programs, compared cell by
+//! cell. Needs OpenFOAM and its examples; nothing of either is kept here.
+//!
+//! Both programs get the tutorial's own files. Only when to end and what to write is set, and what
+//! a tutorial's `changes` say. Where a mesh or the first fields come from a utility that we have no
+//! match for, ours reads the peer's.
+
+use crate::{bench, foam_field as field, run};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::Instant;
+
+/// What the second program starts from.
+#[derive(Clone, Copy, PartialEq)]
+enum Start {
+    /// The tutorial's files alone.
+    Own,
+    /// The peer's fields of the first time, on a mesh of its own.
+    Fields,
+    /// The peer's mesh and fields.
+    Mesh,
+}
+
+struct Tutorial {
+    /// Below `multiphase` in the examples; the last part is its name.
+    path: &'static str,
+    /// The peer's utilities between copying and solving, a command line each.
+    prepare: &'static [&'static str],
+    start: Start,
+    /// Entries that differ from the tutorial's in both runs: file, keyword, value.
+    changes: &'static [(&'static str, &'static str, &'static str)],
+    end: f64,
+    interval: f64,
+    /// Direction in which the front is looked for.
+    axis: usize,
+}
+
+const STATIC: (&str, &str, &str) = ("constant/dynamicMeshDict", "dynamicFvMesh", "staticFvMesh");
+const OBSTACLE: &[&str] = &[
+    "cp -r 0.orig 0",
+    "blockMesh",
+    "topoSet",
+    "subsetMesh -overwrite c0 -patch walls",
+    "setFields",
+];
+
+const TUTORIALS: &[Tutorial] = &[
+    Tutorial {
+        path: "interFoam/laminar/damBreak/damBreak",
+        prepare: &["blockMesh", "setFields"],
+        start: Start::Own,
+        changes: &[],
+        end: 0.2,
+        interval: 0.05,
+        axis: 0,
+    },
+    Tutorial {
+        path: "interFoam/laminar/damBreakWithObstacle",
+        prepare: OBSTACLE,
+        start: Start::Mesh,
+        changes: &[STATIC],
+        end: 0.3,
+        interval: 0.1,
+        axis: 0,
+    },
+    Tutorial {
+        path: "interFoam/laminar/capillaryRise",
+        prepare: &["blockMesh", "cp 0/alpha.water.orig 0/alpha.water", "setFields"],
+        start: Start::Fields,
+        changes: &[],
+        end: 0.05,
+        interval: 0.01,
+        axis: 1,
+    },
+    Tutorial {
+        path: "interIsoFoam/damBreak",
+        prepare: &["cp -r 0.orig 0", "blockMesh", "setFields"],
+        start: Start::Own,
+        changes: &[],
+        end: 0.16,
+        interval: 0.04,
+        axis: 0,
+    },
+    Tutorial {
+        path: "interIsoFoam/damBreakWithObstacle",
+        prepare: OBSTACLE,
+        start: Start::Mesh,
+        changes: &[STATIC],
+        end: 0.3,
+        interval: 0.1,
+        axis: 0,
+    },
+    Tutorial {
+        path: "interIsoFoam/iobasin",
+        prepare: &["cp -r 0.orig 0", "blockMesh", "createPatch -overwrite", "setFields"],
+        start: Start::Mesh,
+        changes: &[],
+        end: 0.5,
+        interval: 0.1,
+        axis: 0,
+    },
+    Tutorial {
+        path: "interIsoFoam/standingWave",
+        prepare: &[
+            "cp -r 0.orig 0",
+            "blockMesh",
+            "topoSet -dict system/topoSetDict1",
+            "refineMesh -dict system/refineMeshDict1 -overwrite",
+            "topoSet -dict system/topoSetDict2",
+            "refineMesh -dict system/refineMeshDict2 -overwrite",
+            "setAlphaField",
+        ],
+        start: Start::Mesh,
+        changes: &[("system/fvSchemes", "default         CrankNicolson 0.5", "default Euler")],
+        end: 1.0,
+        interval: 0.25,
+        axis: 2,
+    },
+    Tutorial {
+        path: "interIsoFoam/discInConstantFlow",
+        prepare: &["cp -r 0.orig 0", "blockMesh", "setAlphaField"],
+        start: Start::Fields,
+        changes: &[],
+        end: 4.0,
+        interval: 1.0,
+        axis: 0,
+    },
+    Tutorial {
+        path: "interIsoFoam/discInConstantFlowCyclicBCs",
+        prepare: &["cp -r 0.orig 0", "blockMesh", "setAlphaField"],
+        start: Start::Fields,
+        changes: &[],
+        end: 5.0,
+        interval: 1.0,
+        axis: 0,
+    },
+    Tutorial {
+        path: "interIsoFoam/notchedDiscInSolidBodyRotation",
+        prepare: &[
+            "cp -r 0.orig 0",
+            "blockMesh",
+            "interIsoFoam -postProcess -time 0",
+            "setAlphaField",
+            "setFields",
+        ],
+        start: Start::Fields,
+        changes: &[],
+        end: 2.0,
+        interval: 0.5,
+        axis: 0,
+    },
+    Tutorial {
+        path: "interIsoFoam/discInReversedVortexFlow",
+        prepare: &[
+            "cp -r 0.orig 0",
+            "blockMesh",
+            "topoSet",
+            "refineMesh -overwrite",
+            "topoSet -dict system/topoSetDict2",
+            "refineMesh -overwrite",
+            "setAlphaField",
+        ],
+        start: Start::Mesh,
+        changes: &[],
+        end: 8.0,
+        interval: 2.0,
+        axis: 0,
+    },
+    Tutorial {
+        path: "interIsoFoam/sphereInReversedVortexFlow",
+        prepare: &["cp -r 0.orig 0", "blockMesh", "setAlphaField"],
+        start: Start::Fields,
+        changes: &[],
+        end: 1.5,
+        interval: 0.5,
+        axis: 0,
+    },
+];
+
+pub(crate) fn task(args: &[String]) -> Result<bool, String> {
+    let (mut names, mut granflow, mut again) = (Vec::new(), None, false);
+    let mut examples = PathBuf::from("/usr/share/doc/openfoam-examples/examples");
+    let mut args = args.iter();
+    while let Some(arg) = args.next() {
+        match arg.as_str() {
+            "--again" => again = true,
+            "--granflow" => granflow = Some(PathBuf::from(args.next().ok_or("--granflow PATH")?)),
+            "--examples" => examples = PathBuf::from(args.next().ok_or("--examples DIR")?),
+            name => names.push(name),
+        }
+    }
+    let known = |n: &&str| TUTORIALS.iter().any(|t| t.path.contains(*n));
+    if let Some(stranger) = names.iter().find(|n| !known(n)) {
+        let all: Vec<&str> = TUTORIALS.iter().map(|t| t.path).collect();
+        return Err(format!("no tutorial `{stranger}`; there are\n  {}", all.join("\n  ")));
+    }
+    let granflow = match (again, granflow) {
+        (true, _) => PathBuf::new(),
+        (false, Some(path)) => {
+            path.canonicalize().map_err(|e| format!("{}: {e}", path.display()))?
+        }
+        (false, None) => run::build_granflow("release")?,
+    };
+    println!("| tutorial | t, s | L1 of alpha | volume | front | centroid | p at walls | p_rgh |");
+    println!("|---|---|---|---|---|---|---|---|");
+    let mut complete = true;
+    for t in
+        TUTORIALS.iter().filter(|t| names.is_empty() || names.iter().any(|n| t.path.contains(n)))
+    {
+        let from = examples.join("multiphase").join(t.path);
+        let ran = if again { Ok(()) } else { t.run(&from, &granflow) };
+        if let Err(why) = ran.and_then(|()| t.compare()) {
+            println!("| {} | not compared: {why} |", t.path);
+            complete = false;
+        }
+    }
+    Ok(complete)
+}
+
+/// Runs a program in `dir`, its words to `log` there, and returns its seconds.
+fn logged(words: &[&str], program: Option<&Path>, dir: &Path, log: &str) -> Result<f64, String> {
+    let file = fs::File::create(dir.join(log)).map_err(|e| format!("{log}: {e}"))?;
+    let twin = file.try_clone().map_err(|e| format!("{log}: {e}"))?;
+    let (name, rest) = words.split_first().ok_or("no command")?;
+    let mut command = program.map_or_else(|| Command::new(name), Command::new);
+    command.args(rest).current_dir(dir).stdin(Stdio::null()).stdout(file).stderr(twin);
+    command.env("FOAM_SIGFPE", "false");
+    if std::env::var_os("WM_PROJECT_DIR").is_none() {
+        command.env("WM_PROJECT_DIR", "/usr/share/openfoam");
+    }
+    let begun = Instant::now();
+    let status = command.status().map_err(|e| format!("`{}`: {e}", words.join(" ")))?;
+    match status.success() {
+        true => Ok(begun.elapsed().as_secs_f64()),
+        false => Err(format!("`{}`: {status}, see {}", words.join(" "), dir.join(log).display())),
+    }
+}
+
+impl Tutorial {
+    fn name(&self) -> String {
+        self.path.replace('/', "_")
+    }
+
+    /// Both programs on copies of the tutorial.
+    fn run(&self, from: &Path, granflow: &Path) -> Result<(), String> {
+        if !from.is_dir() {
+            return Err(format!("{} is not there", from.display()));
+        }
+        let theirs = bench::copy_case(from, &format!("{}-theirs", self.name()))?;
+        let ours = bench::copy_case(from, &format!("{}-ours", self.name()))?;
+        for case in [&theirs, &ours] {
+            self.edit(case)?;
+        }
+        for (i, line) in self.prepare.iter().enumerate() {
+            let words: Vec<&str> = line.split(' ').collect();
+            logged(&words, None, &theirs, &format!("log.prepare{i}"))?;
+        }
+        self.hand_over(&theirs, &ours)?;
+        let solver = if self.path.starts_with("interIso") { "interIsoFoam" } else { "interFoam" };
+        let their_time = logged(&[solver], None, &theirs, "log.solver")?;
+        for what in ["writeCellVolumes", "writeCellCentres"] {
+            logged(&["postProcess", "-func", what, "-time", "0"], None, &theirs, "log.geometry")?;
+        }
+        let our_time =
+            logged(&["granflow", "run", ".", "-j", "1"], Some(granflow), &ours, "log.run")?;
+        eprintln!("{}: granflow {our_time:.1} s, {solver} {their_time:.1} s", self.path);
+        Ok(())
+    }
+
+    /// A row for each time that both programs wrote.
+    fn compare(&self) -> Result<(), String> {
+        let name = self.name();
+        let [ours, theirs] =
+            ["ours", "theirs"].map(|who| bench::scratch_place(&format!("{name}-{who}")));
+        let mesh = Cells::read(&theirs)?;
+        for k in 1..=(self.end / self.interval).round() as usize {
+            let t = k as f64 * self.interval;
+            let [a, b] = [&ours, &theirs].map(|case| Moment::read(case, t, mesh.volume.len()));
+            println!("| {} | {t:.4} | {} |", self.path, mesh.row(&a?, &b?, self.axis));
+        }
+        Ok(())
+    }
+
+    /// What both copies have in common beyond the tutorial.
+    fn edit(&self, case: &Path) -> Result<(), String> {
+        let (end, interval) = (self.end.to_string(), self.interval.to_string());
+        let control = [
+            ("startFrom", "startTime"),
+            ("endTime", end.as_str()),
+            ("writeControl", "adjustableRunTime"),
+            ("writeInterval", interval.as_str()),
+            ("writeFormat", "ascii"),
+            ("writePrecision", "12"),
+            ("purgeWrite", "0"),
+        ];
+        let rewrite = |file: &str, change: &dyn Fn(&str) -> Option<String>| {
+            let path = case.join(file);
+            let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+            let lines = text.lines().map(|l| change(l).unwrap_or_else(|| l.to_owned()));
+            let lines: Vec<String> = lines.collect();
+            fs::write(&path, lines.join("\n") + "\n").map_err(|e| format!("{file}: {e}"))
+        };
+        // Entries at the top level begin a line.
+        rewrite("system/controlDict", &|line| {
+            let word = line.split_whitespace().next()?;
+            let set = control.iter().find(|c| c.0 == word && line.starts_with(word))?;
+            Some(format!("{} {};", set.0, set.1))
+        })?;
+        for (file, key, value) in self.changes {
+            rewrite(file, &|line| {
+                let at = line.trim_start().starts_with(key);
+                let key = if value.contains(' ') { "" } else { *key };
+                at.then(|| format!("{key} {value};"))
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Gives ours what it starts from.
+    fn hand_over(&self, theirs: &Path, ours: &Path) -> Result<(), String> {
+        let copy = |what: &str| {
+            let to = ours.join(what);
+            // The tutorial may have brought its own.
+            let _ = fs::remove_dir_all(&to);
+            run::copy_dir(&theirs.join(what), &to).map_err(|e| format!("{what}: {e}"))
+        };
+        if self.start != Start::Own {
+            copy("0")?;
+        }
+        if self.start == Start::Mesh {
+            copy("constant/polyMesh")?;
+        }
+        Ok(())
+    }
+}
+
+/// What the comparison needs of the mesh.
+struct Cells {
+    volume: Vec<f64>,
+    centre: [Vec<f64>; 3],
+    /// Cells behind faces of walls.
+    at_walls: Vec<usize>,
+}
+
+/// The fields of one time.
+struct Moment {
+    alpha: Vec<f64>,
+    p: Vec<f64>,
+    p_rgh: Vec<f64>,
+}
+
+impl Moment {
+    fn read(case: &Path, time: f64, n: usize) -> Result<Moment, String> {
+        let near = |name: &str| name.parse::<f64>().is_ok_and(|t| (t - time).abs() < 1e-7);
+        let mut dirs = fs::read_dir(case).map_err(|e| e.to_string())?.flatten();
+        let dir = dirs.find(|d| near(&d.file_name().to_string_lossy()));
+        let dir = dir.ok_or(format!("{} has no time {time}", case.display()))?.path();
+        let one = |name: &str| field::scalars(&dir.join(name), n);
+        Ok(Moment { alpha: one("alpha.water")?, p: one("p")?, p_rgh: one("p_rgh")? })
+    }
+}
+
+impl Cells {
+    fn read(case: &Path) -> Result<Cells, String> {
+        let n = field::scalars(&case.join("0/Cx"), 0)?.len();
+        let volume = field::scalars(&case.join("0/V"), n)?;
+        let centre = |c: &str| field::scalars(&case.join("0").join(c), n);
+        let centre = [centre("Cx")?, centre("Cy")?, centre("Cz")?];
+        let at_walls = field::cells_at_walls(&case.join("constant/polyMesh"))?;
+        Ok(Cells { volume, centre, at_walls })
+    }
+
+    /// One line of the table: `a` ours, `b` theirs.
+    fn row(&self, a: &Moment, b: &Moment, axis: usize) -> String {
+        let sum = |f: &dyn Fn(usize) -> f64| -> f64 {
+            (0..self.volume.len()).map(|c| self.volume[c] * f(c)).sum()
+        };
+        let (x, whole) = (&self.centre[axis], sum(&|c| b.alpha[c]));
+        let l1 = sum(&|c| (a.alpha[c] - b.alpha[c]).abs()) / whole;
+        let volume = sum(&|c| a.alpha[c]) / whole - 1.0;
+        let extent =
+            x.iter().fold(f64::MIN, |m, x| m.max(*x)) - x.iter().fold(f64::MAX, |m, x| m.min(*x));
+        let front = |m: &Moment| {
+            let wet = (0..x.len()).filter(|&c| m.alpha[c] > 0.5).map(|c| x[c]);
+            wet.fold(f64::MIN, f64::max)
+        };
+        let centroid = |m: &Moment| sum(&|c| m.alpha[c] * x[c]) / sum(&|c| m.alpha[c]);
+        // Mean difference beside the range of theirs.
+        let apart = |a: &[f64], b: &[f64], cells: &mut dyn Iterator<Item = usize>| {
+            let (mut off, mut most, mut least, mut n) = (0.0, f64::MIN, f64::MAX, 0.0f64);
+            for c in cells {
+                off += (a[c] - b[c]).abs();
+                (most, least, n) = (b[c].max(most), b[c].min(least), n + 1.0);
+            }
+            match n {
+                0.0 => "-".to_owned(),
+                n => format!("{:.3} of {:.0} Pa", off / n, most - least),
+            }
+        };
+        let p = apart(&a.p, &b.p, &mut self.at_walls.iter().copied());
+        let p_rgh = apart(&a.p_rgh, &b.p_rgh, &mut (0..x.len()));
+        format!(
+            "{:.3} % | {volume:+.1e} | {:.4}, {:.4} | {:+.3} % | {p} | {p_rgh}",
+            100.0 * l1,
+            front(a),
+            front(b),
+            100.0 * (centroid(a) - centroid(b)) / extent,
+        )
+    }
+}
