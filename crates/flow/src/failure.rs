@@ -85,25 +85,28 @@ impl Flow {
                 StepError::NotFinite { .. } | StepError::Elsewhere { .. } | StepError::Solve { .. }
             ),
         };
+        let mut beyond = self.work.beyond;
         if lost && self.may_start_from_rest() {
             self.rollback();
             result = self.advance(dt, Guess::Rest);
+            beyond = self.work.beyond.or(beyond);
         }
-        let (time, w) = (self.state.time, &self.work);
+        let time = self.state.time;
         match result {
             Ok(Some(report)) => Ok(report),
             Ok(None) => Err(StepError::Elsewhere { time }),
-            Err(e) => Err(explained(e, time, w.beyond, w.residuals)),
+            Err(e) => Err(explained(e, time, beyond, self.work.residuals)),
         }
     }
 }
 
 /// Numbers that ran away are what one sees; stress beyond what grains carry is why, if the last
-/// sound state had it, and else an iteration whose residuals had grown.
+/// sound state of either try had it, and else an iteration whose residuals had grown.
 fn explained(e: StepError, time: f64, beyond: Option<Beyond>, residuals: Residuals) -> StepError {
     match (&e, beyond) {
         (StepError::Interrupted { .. } | StepError::Dims(_), _) => e,
         (_, Some(beyond)) => StepError::Beyond { time, beyond, seen: Box::new(e) },
+        (StepError::NoFlow { .. }, None) => e,
         (_, None) if is_sound(&residuals) => e,
         (_, None) => StepError::Diverged { time, residuals, seen: Box::new(e) },
     }

@@ -62,7 +62,10 @@ fn settle<T: Value>(
             Ok(nothing(solved.iterations))
         }
         Err(SolveError::Spent(solved)) => Ok(solved),
-        Err(SolveError::NotPositiveDefinite { iteration }) if purpose == Purpose::Direction => {
+        // Of numbers that were finite at first: what a preconditioner of other values made of them.
+        Err(SolveError::NotPositiveDefinite { iteration } | SolveError::NotFinite { iteration })
+            if iteration > 0 && purpose == Purpose::Direction =>
+        {
             count.unconverged += 1;
             x.fill(T::ZERO);
             Ok(nothing(iteration))

@@ -236,6 +236,18 @@ pub enum StepError {
         /// What was seen of it.
         seen: Box<StepError>,
     },
+    /// The outer iteration ended in a state that is no flow.
+    #[error(
+        "the outer iteration ended at time {time} in what is no flow: its forces are out of balance by {:.1} \
+         times their size",
+        residuals.u
+    )]
+    NoFlow {
+        /// Time, s.
+        time: f64,
+        /// Of the state it ended in.
+        residuals: Residuals,
+    },
     /// The outer iteration ran away from the flow.
     #[error(
         "the outer iteration diverged at time {time} (residuals: momentum {:.1e}, continuity {:.1e}): start \

@@ -99,6 +99,10 @@ impl Flow {
         if lost && guess == Guess::Old && self.may_start_from_rest() {
             return Ok(None);
         }
+        if lost && report.residuals.u >= NO_FLOW {
+            let (time, residuals) = (self.state.time, report.residuals);
+            return Err(StepError::NoFlow { time, residuals });
+        }
         self.end_coupled_step(dt, &mut report)?;
         Ok(Some(report))
     }
@@ -470,6 +474,10 @@ const MOVING: (f64, f64) = (1e-2, 1e-1);
 /// Greatest imbalance of the rheology's own equation, over its terms, in a converged state: its
 /// Newton iterations end far below, unless they stall.
 const RHEOLOGY_SOLVED: f64 = 1e-6;
+
+/// Residual of momentum, force imbalance over force, that no flow has: where an iteration that did
+/// not converge ends with it, the step has failed.
+const NO_FLOW: f64 = 1.0;
 
 /// Fields that follow from the state.
 pub struct Derived<'a> {

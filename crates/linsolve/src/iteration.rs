@@ -191,8 +191,12 @@ fn iterate<T: Value, M: Method<T>>(
         system.judge.solved.last = first;
     }
     // Rounding is not the fault of the preconditioner.
-    if matches!(end, Ok(End::Converged | End::Exhausted)) {
-        system.precond.took(iterations, system.judge.decades());
+    match end {
+        Ok(End::Converged | End::Exhausted) => {
+            system.precond.took(iterations, system.judge.decades());
+        }
+        Ok(End::Spent) => {}
+        Err(_) => system.precond.failed(),
     }
     end
 }

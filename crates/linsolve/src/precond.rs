@@ -18,6 +18,8 @@ pub(crate) trait Precond<T: Value>: Send {
     }
     /// Tells how many iterations reduced the residual by how many powers of ten.
     fn took(&mut self, _iterations: usize, _decades: f64) {}
+    /// Tells that the solver broke down over it.
+    fn failed(&mut self) {}
     /// Whether the matrix it is made for is symmetric.
     fn set_symmetric(&mut self, _symmetric: bool) {}
 }

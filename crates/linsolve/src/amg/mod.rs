@@ -117,6 +117,9 @@ impl<T: Value, const N: usize> Precond<T> for Amg<N> {
         self.usual = Some(usual.min(rate));
         self.stale = rate > STALE * usual;
     }
+    fn failed(&mut self) {
+        self.stale = true;
+    }
     fn set_symmetric(&mut self, symmetric: bool) {
         self.symmetric = symmetric;
     }
