@@ -7,7 +7,7 @@
 
 use crate::interpolation::Slopes;
 use crate::{Flow, StepError, TimeScheme};
-use granflow_base::{Value, Vec3};
+use granflow_base::{Value, Vec3, norm};
 use granflow_fv::{
     Convection, Ddt, ddt, defer_to_upwind, div, div_explicit, laplacian, operators, source,
 };
@@ -16,6 +16,8 @@ use granflow_mesh::Mesh;
 /// Of a sum of neighbours' forces, each with half a unit in the last place of its velocity, and as
 /// much again of the sum.
 const ROUNDING: f64 = 2.0 * f64::EPSILON;
+/// Speed over that of a free fall through a cell that solvers leave of grains at rest.
+const STANDING: f64 = 1e-13;
 
 impl Flow {
     /// Coefficients of the time scheme for this step.
@@ -130,8 +132,13 @@ impl Flow {
     /// rounding of the velocity alone can make of forces is no imbalance: where a plug is a hundred
     /// thousand times stiffer than what shears beside it, that can be more than is asked for.
     pub(crate) fn momentum_residual(&mut self) -> f64 {
+        // With two fluids what balances on the faces does not show in the cells: where nothing moves the
+        // weight is the force at work.
+        let g = self.grains().map_or(0.0, |_| norm(self.gravity.hydrostatic));
         let Flow { exec, mesh, state, work: w, fluid, .. } = self;
         let (rho, rho_1) = (&w.rho.data, fluid.rho);
+        // The speed that rounding is measured by, where nothing moves.
+        let fall = |c: usize| (g * mesh.volume[c].cbrt()).sqrt();
         w.u_eqn.a.residual(exec, &w.b, &mut state.u.cells.data, &mut w.residual);
         let n = mesh.n_cells;
         keep_solved(exec, mesh, &mut w.residual);
@@ -143,7 +150,7 @@ impl Flow {
                 let sum = w.u_eqn.row_sum[c];
                 let mut own = u[c].scaled(sum);
                 let light = rho_1 / rho[c];
-                let mut pulls = 0.0;
+                let mut pulls = rho[c] * mesh.volume[c] * g;
                 for k in a.ptr[c] as usize..a.ptr[c + 1] as usize {
                     let other = a.col[k] as usize;
                     let pull = u[other].minus(u[c]).scaled(a.val[k]);
@@ -152,7 +159,8 @@ impl Flow {
                 let wall = a.val[a.diag[c] as usize] + off_diagonal(a, c) - sum;
                 own = own.axpy(wall, u[c]);
                 let diagonal = a.val[a.diag[c] as usize].abs();
-                let rounding = ROUNDING * diagonal * u[c].inner(u[c]).sqrt();
+                let speed = u[c].inner(u[c]).sqrt();
+                let rounding = diagonal * (ROUNDING * speed).max(STANDING * fall(c));
                 s[0] += light * (r[c].inner(r[c]).sqrt() - rounding).max(0.0);
                 s[1] += light * (pulls + own.inner(own).sqrt() + b[c].inner(b[c]).sqrt());
             }

@@ -130,6 +130,7 @@ impl Flow {
             } else {
                 self.measure(dt, constant, k == outer, report)?
             };
+            if std::env::var_os("GFDBG").is_some() { eprintln!("pass {k} {:?} fast {:.3e} rate {:.3e}", report.residuals, self.state.u.cells.data.iter().map(|u| norm(*u)).fold(0.0, f64::max), self.work.strain_rate.iter().copied().fold(0.0, f64::max)); }
             self.check_residuals(&report.residuals)?;
             self.work.residuals = report.residuals;
             report.converged = k > 0 && settled && report.residuals.within(&self.numerics.control);
@@ -181,7 +182,9 @@ impl Flow {
             self.work.patience.note(report.residuals.viscosity);
             settled = report.residuals.viscosity <= self.numerics.control.viscosity
                 && info.residual <= RHEOLOGY_SOLVED;
-            if settled || last || self.has_newton() {
+            if self.rests() {
+                // Times rounding, another one would be a force.
+            } else if settled || last || self.has_newton() {
                 self.accept_viscosity();
             } else {
                 self.mix_viscosity();
@@ -343,9 +346,12 @@ impl Flow {
         fluid.rheology.rollback();
     }
 
-    /// Net over gross flux of the cells.
+    /// Net over gross flux of the cells. Grains under a fluid may rest altogether: they count as moving
+    /// at [`STILL`].
     pub(crate) fn continuity_residual(&self) -> f64 {
         let (mesh, phi) = (&self.mesh, &self.state.phi.data);
+        let g = self.grains().map_or(0.0, |_| norm(self.gravity.hydrostatic));
+        let still = |c: usize| STILL * (g * mesh.volume[c].cbrt()).sqrt();
         let [net, gross] = self.exec.sums(mesh.n_cells, |range| {
             let mut s = [0.0; 2];
             for c in range {
@@ -353,6 +359,9 @@ impl Flow {
                 for (f, sign) in mesh.faces_of(c) {
                     net += sign * phi[f];
                     gross += phi[f].abs();
+                    if g > 0.0 {
+                        gross += still(c) * mesh.mag_area[f];
+                    }
                 }
                 s[0] += f64::abs(net);
                 s[1] += gross;
@@ -470,6 +479,9 @@ impl Patience {
 /// settled and on its way.
 const SETTLED: (f64, f64) = (1e-6, 1e-1);
 const MOVING: (f64, f64) = (1e-2, 1e-1);
+
+/// A speed that counts as none, over that of a free fall through a cell.
+const STILL: f64 = 1e-6;
 
 /// Greatest imbalance of the rheology's own equation, over its terms, in a converged state: its
 /// Newton iterations end far below, unless they stall.

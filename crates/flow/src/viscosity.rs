@@ -11,7 +11,8 @@ use granflow_physics::rheology::{FlowView, RheologyInfo, magnitude};
 /// Smallest viscosity, Pa s: below any material's; it only keeps logarithms finite where grains
 /// are out of contact.
 const LEAST: f64 = 1e-12;
-/// Strain rate, over the greatest, below which a cell counts as being at rest.
+/// Strain rate, over the greatest, below which a cell counts as being at rest, and so do all of them
+/// below this speed over that of a free fall through a cell.
 const AT_REST: f64 = 1e-9;
 /// Relative error of a velocity difference over that of a velocity: rounding, times the contrast
 /// of viscosity between neighbours that a stress is averaged over.
@@ -193,14 +194,21 @@ impl Flow {
         });
     }
 
-    /// The greatest change of ln(viscosity) that taking `eta_new` would make, among the cells that
+    /// The greatest change of ln(viscosity), that of the mixture, that taking `eta_new` would make, among the cells that
     /// move at all: a strain rate of a billionth of the greatest, or what the rounding of the
     /// velocity alone can make of it, is no movement.
     pub(crate) fn viscosity_residual(&self) -> f64 {
         let (y, g, rate) = (&self.work.y, &self.work.g_of_y, &self.work.strain_rate);
         let (mesh, u) = (&self.mesh, &self.state.u.cells.data);
         let n = y.len();
-        let fastest = self.exec.max(n, |r| r.map(|i| rate[i]).fold(0.0, f64::max));
+        if self.rests() {
+            return 0.0;
+        }
+        let (grains, eta) = (self.grains(), &self.work.eta.data);
+        // Beside grains the stress of a fluid is theirs, and a strain rate made of it is none.
+        let counts = |c: usize| grains.is_none_or(|grains| !sparse(grains.share[c]));
+        let of = |c: usize| if counts(c) { rate[c] } else { 0.0 };
+        let fastest = self.exec.max(n, |r| r.map(of).fold(0.0, f64::max));
         let change = |c: usize| {
             if rate[c] < AT_REST * fastest {
                 return 0.0;
@@ -208,10 +216,24 @@ impl Flow {
             let shortest = mesh.faces_of(c).map(|(f, _)| mesh.inv_dist[f]).fold(0.0, f64::max);
             let rounding = ROUNDING * granflow_base::norm(u[c]) * shortest / rate[c];
             let change = (g[c] - y[c]).abs() - rounding;
+            let felt = grains.map_or(1.0, |grains| grains.felt(c, eta[c].min(g[c].exp())));
+            let change = felt * change;
             // What is no number is no small change.
             if change.is_nan() { f64::INFINITY } else { change.max(0.0) }
         };
         self.exec.max(n, |r| r.map(change).fold(0.0, f64::max))
+    }
+
+    /// Whether grains and the fluid around them stand still: of strain rates that are rounding a viscosity
+    /// is no more than that.
+    pub(crate) fn rests(&self) -> bool {
+        let g = self.grains().map_or(0.0, |_| granflow_base::norm(self.gravity.hydrostatic));
+        if g == 0.0 {
+            return false;
+        }
+        let (mesh, u) = (&self.mesh, &self.state.u.cells.data);
+        let speed = |c: usize| granflow_base::norm(u[c]) / (g * mesh.volume[c].cbrt()).sqrt();
+        self.exec.max(mesh.n_cells, |r| r.map(speed).fold(0.0, f64::max)) < AT_REST
     }
 
     /// Takes `eta_new` as it is: at the end of a step the viscosity is the rheology's own.

@@ -21,6 +21,10 @@ pub(crate) fn sparse(share: f64) -> bool {
     share < Share::NONE
 }
 
+/// Viscosity of grains over that of the fluid around them that momentum knows at most: times the rounding
+/// of a velocity, a greater one would be a force.
+const STIFFEST: f64 = 1e12;
+
 pub(crate) struct Grains {
     mixing: Mixing,
     /// Share of the cells and ghosts, 0 to 1, now and at the beginning of the step.
@@ -62,6 +66,16 @@ impl Grains {
         }
     }
 
+    /// `d ln eta/d ln eta_1` of cell `c`: how far the mixture feels the viscosity of the grains.
+    pub(crate) fn felt(&self, c: usize, eta_1: f64) -> f64 {
+        match (self.share[c], self.mixing) {
+            (a, _) if sparse(a) || eta_1 > STIFFEST * self.eta_2.data[c] => 0.0,
+            (a, _) if a >= 1.0 => 1.0,
+            (a, Mixing::Harmonic) => a * self.eta[c] / eta_1,
+            (a, Mixing::Arithmetic | Mixing::FaceDirection) => a * eta_1 / self.eta[c],
+        }
+    }
+
     /// The grains are where `alpha` says; its conditions are up to date.
     fn settle_at(
         &mut self,
@@ -96,7 +110,7 @@ impl Grains {
         exec.for_each(eta, |first, out| {
             for (i, eta) in out.iter_mut().enumerate() {
                 let c = first + i;
-                *eta = mixing.in_cell(share[c], eta_1[c], eta_2[c]);
+                *eta = mixing.in_cell(share[c], eta_1[c].min(STIFFEST * eta_2[c]), eta_2[c]);
             }
         });
         let (eta, gradient) = (&*eta, &gradient[..]);
@@ -107,9 +121,10 @@ impl Grains {
                 let n = mesh.neighbour.get(f).map_or(o, |&n| n as usize);
                 let w = if n == o { 1.0 } else { mesh.weight[f] };
                 let lerp = |x: &[f64]| w * x[o] + (1.0 - w) * x[n];
-                let (a, two, one) = (lerp(share), lerp(eta_2), out[i]);
+                let (a, two) = (lerp(share), lerp(eta_2));
+                let (stiff, one) = (out[i] > STIFFEST * two, out[i].min(STIFFEST * two));
                 if share[o] >= 1.0 && share[n] >= 1.0 {
-                    response[i] = 1.0;
+                    (out[i], response[i]) = (one, f64::from(u8::from(!stiff)));
                     continue;
                 }
                 if a <= 0.0 {
@@ -123,9 +138,11 @@ impl Grains {
                     }
                     Mixing::Harmonic => {
                         // The paper's way: cells are mixed, faces have their linear mean. What a face of
-                        // grains alone has beyond the linear mean of its cells it keeps.
-                        let own = |c: usize| if sparse(share[c]) { one } else { eta_1[c] };
-                        let mixed = one * lerp(eta) / (w * own(o) + (1.0 - w) * own(n));
+                        // grains alone has beyond the linear mean of its cells it keeps, the less the
+                        // fewer grains there are.
+                        let own = |c: usize| if sparse(share[c]) { one } else { eta_1[c].min(STIFFEST * eta_2[c]) };
+                        let beyond = one / (w * own(o) + (1.0 - w) * own(n));
+                        let mixed = lerp(eta) * beyond.powf(share[o] * share[n]);
                         let carried = |c: usize| {
                             let a = share[c];
                             if a <= 0.0 { 0.0 } else { eta[c] * a * eta[c] / eta_1[c] }
@@ -143,7 +160,7 @@ impl Grains {
                         (mixed, (carried / mixed).min(1.0))
                     }
                 };
-                (out[i], response[i]) = (mixed, of_one);
+                (out[i], response[i]) = (mixed, if stiff { 0.0 } else { of_one });
             }
         });
     }

@@ -17,6 +17,8 @@ use granflow_par::Exec;
 
 /// A start from rest: passes at most, and the change of pressure over the pressure that ends them.
 const SETTLING: (usize, f64) = (200, 1e-15);
+/// The change that ends them where the pressure is a guess.
+const GUESSED: f64 = 1e-8;
 /// How far each of these passes is solved.
 const SETTLING_REDUCTION: f64 = 1e-6;
 
@@ -75,6 +77,24 @@ impl Flow {
         self.fix_level_of_two_phases();
         self.update_conditions();
         Ok(done)
+    }
+
+    /// The pressure with which everything begins to move as if nothing resisted: near enough to that
+    /// of material at rest to know how hard grains press, which nobody does when a run starts. Velocity and
+    /// flux stay as they are.
+    pub(crate) fn guess_pressure(&mut self, dt: f64) -> Result<(), StepError> {
+        self.work.eta_f.data.fill(0.0);
+        self.assemble_two_phase_momentum(dt)?;
+        self.update_two_phase_mobility();
+        self.flux_without_forces(dt);
+        for _ in 0..SETTLING.0 {
+            if self.solve_for_pressure(true, true)?.1 <= GUESSED {
+                break;
+            }
+        }
+        self.fix_level_of_two_phases();
+        self.update_conditions();
+        Ok(())
     }
 
     /// Velocity that momentum gives from neighbours and sources alone, into `hby_a`, and its flux.

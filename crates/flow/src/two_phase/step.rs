@@ -43,7 +43,7 @@ impl Flow {
             two.work.rho_old.data.copy_from_slice(&self.work.rho.data);
         }
         if self.has_grains_in_fluid() {
-            return self.advance_grains_in_fluid(dt);
+            return self.advance_grains_in_fluid(dt, starts);
         }
         // In the middle of the step, for second order.
         self.prescribe(self.state.time - 0.5 * dt);
@@ -88,7 +88,7 @@ impl Flow {
     /// the friction of walls are solved together as they are without it. Between creep and the other
     /// fluid viscosities differ by ten decades, and stress follows pressure: corrections of the pressure
     /// alone (PISO) grow.
-    fn advance_grains_in_fluid(&mut self, dt: f64) -> Result<Report, StepError> {
+    fn advance_grains_in_fluid(&mut self, dt: f64, starts: bool) -> Result<Report, StepError> {
         let mut report = Report { time: self.state.time, dt, ..Report::default() };
         if let Some(grains) = self.two_phase.as_mut().and_then(|t| t.work.grains.as_mut()) {
             grains.share_old.copy_from_slice(&grains.share);
@@ -104,6 +104,9 @@ impl Flow {
         self.mix_mass_flux();
         self.update_face_forces();
         self.update_conditions();
+        if starts {
+            self.guess_pressure(dt)?;
+        }
         self.recall_viscosity(dt)?;
         self.iterate(dt, &mut report)?;
         self.end_coupled_step(dt, &mut report)?;

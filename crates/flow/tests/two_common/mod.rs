@@ -49,6 +49,10 @@ pub struct Two<'a> {
     pub shape: Shape,
     pub numerics: Numerics,
     pub threads: usize,
+    /// Of fluid 1 in place of `eta[0]`: grains, for example.
+    pub rheology: Option<fn(&Exec, &Mesh) -> Box<dyn Rheology>>,
+    pub mixing: Mixing,
+    pub pores: Pores,
 }
 
 pub fn water_and_air(poly: &PolyMesh, shape: Shape) -> Two<'_> {
@@ -62,6 +66,9 @@ pub fn water_and_air(poly: &PolyMesh, shape: Shape) -> Two<'_> {
         shape,
         numerics: numerics(3),
         threads: 1,
+        rheology: None,
+        mixing: Mixing::default(),
+        pores: Pores::default(),
     }
 }
 
@@ -116,9 +123,9 @@ impl Two<'_> {
             frozen: false,
             reference_pressure: 0.0,
             vof,
-            mixing: Mixing::default(),
-            pores: Pores::default(),
-            pore_solver: None,
+            mixing: self.mixing,
+            pores: self.pores,
+            pore_solver: Some(solver("PCG", "DIC")),
         };
         let two = TwoPhase::new(&exec, self.poly, &m, &p, self.gravity, parts);
         let state = State {
@@ -132,7 +139,11 @@ impl Two<'_> {
             phi_old: vec![0.0; m.n_faces()],
             alpha: Some(alpha),
         };
-        let fluid = Fluid { rho: self.rho[0], rheology: newton(self.eta[0]) };
+        let rheology = match self.rheology {
+            Some(of) => of(&exec, &m),
+            None => newton(self.eta[0]),
+        };
+        let fluid = Fluid { rho: self.rho[0], rheology };
         let gravity = Gravity { hydrostatic: self.gravity, driving: [0.0; 3] };
         Flow::new(exec, m, state, fluid, gravity, self.numerics).with_second_fluid(two)
     }

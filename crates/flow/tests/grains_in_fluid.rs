@@ -1,0 +1,160 @@
+//! Grains beside another fluid: where their pressure and their fluidity live, and the laws of the house.
+
+#![allow(clippy::print_stdout, reason = "tests print what they measured")]
+
+#[path = "common/counting.rs"]
+mod counting;
+mod two_common;
+
+use counting::ALLOCATIONS;
+use granflow_flow::vof::Shape;
+use granflow_flow::{Flow, Mixing, Pores};
+use granflow_linsolve::Tolerance;
+use granflow_mesh::{Mesh, PolyMesh};
+use granflow_par::Exec;
+use granflow_physics::rheology::{Floors, Form, Granular, Law, MuI, Ngf, NgfNumerics, Rheology};
+use two_common::*;
+
+/// Glass beads of 5 mm.
+const BEADS: Granular = Granular {
+    mu_s: 0.3819,
+    mu_2: 0.6435,
+    i0: 0.279,
+    d: 5e-3,
+    rho_s: 2450.0,
+    floors: Floors::DEFAULT,
+};
+const RHO: f64 = 1519.0;
+
+fn ngf(exec: &Exec, mesh: &Mesh) -> Box<dyn Rheology> {
+    let numerics = NgfNumerics {
+        solver: solver("PBiCGStab", "DILU"),
+        tolerance: Tolerance { abs: 1e-12, rel: 1e-10, max_iter: 500 },
+        residual: 1e-10,
+    };
+    let law = Law { grains: BEADS, a: 0.48, form: Form::Steady };
+    Box::new(Ngf::new(law, exec, mesh, Vec::new(), numerics))
+}
+fn mu_i(_: &Exec, _: &Mesh) -> Box<dyn Rheology> {
+    Box::new(granflow_physics::rheology::Local(Box::new(MuI(BEADS))))
+}
+
+/// A tank 0.2 m wide and high, grains in its left part up to `height`; 12 x 12 cells.
+fn heap(poly: &PolyMesh, width: f64, height: f64) -> Two<'_> {
+    let mut two = water_and_air(poly, Shape::cuboid([-1.0; 3], [width, height, 1.0]));
+    two.rho = [RHO, 1.2];
+    two.eta[1] = 1.8e-5;
+    two.geometric = true;
+    two.rheology = Some(ngf);
+    two.numerics.outer = 150;
+    two.numerics.u.solver = granflow_linsolve::gamg();
+    two.numerics.p.solver = granflow_linsolve::gamg();
+    two.numerics.compression = granflow_linsolve::gamg();
+    two
+}
+fn box_of_12() -> PolyMesh {
+    tank([12, 12], [0.0; 2], [0.2, 0.2])
+}
+
+/// The pressure between grains below a level surface is the weight of the grains above, whatever the
+/// pressure of the fluid is; less what saturated pores bear.
+#[test]
+fn pressure_between_grains_is_measured_from_their_surface() {
+    let poly = box_of_12();
+    for (pores, weighs) in [(Pores::Dry, RHO), (Pores::Saturated, RHO - 1000.0)] {
+        let mut two = heap(&poly, 1.0, 0.1);
+        two.pores = pores;
+        two.rho[1] = if pores == Pores::Saturated { 1000.0 } else { 1.2 };
+        let mut flow = two.flow(|_| wall());
+        let report = flow.step(1e-3).expect("a step");
+        assert!(report.converged, "{pores:?}: {:?}", report.residuals);
+        let mesh = flow.mesh.clone();
+        let (share, pressure) = flow.grains_in_fluid().expect("grains");
+        for c in 0..mesh.n_cells {
+            let depth = 0.1 - mesh.cell_centre[c][1];
+            let expected = if depth > 0.0 { weighs * 9.81 * depth } else { 0.0 };
+            // Up to a cell of the fluid lies between the surface and where its pressure is known.
+            let least = 1.2 * 9.81 * 0.2 / 12.0;
+            assert!((share[c] - f64::from(u8::from(depth > 0.0))).abs() < 1e-12);
+            let error = (pressure[c] - expected).abs();
+            assert!(error < 1e-3 + least, "{pores:?}, depth {depth}: {} {expected}", pressure[c]);
+        }
+        assert!(fastest(&flow) < 1e-9, "{pores:?}: {}", fastest(&flow));
+    }
+}
+
+/// A heap that falls: every step converges, mass is kept, the fluidity stays with the grains.
+#[test]
+fn a_heap_falls_with_every_model_and_mixing() {
+    let poly = box_of_12();
+    for (name, mixing) in Mixing::ALL {
+        for rheology in [ngf as fn(&Exec, &Mesh) -> Box<dyn Rheology>, mu_i] {
+            let mut two = heap(&poly, 0.1, 0.1);
+            (two.mixing, two.rheology) = (*mixing, Some(rheology));
+            let mut flow = two.flow(|_| wall());
+            let volume =
+                |f: &Flow| -> f64 { alpha(f).iter().zip(&f.mesh.volume).map(|(a, v)| a * v).sum() };
+            let before = volume(&flow);
+            for k in 0..12 {
+                let Ok(report) = flow.step(2e-3) else {
+                    println!("{name} {k} failed");
+                    break;
+                };
+                println!("{name}, {k}: {} {:?}", report.converged, report.residuals);
+            }
+            assert!((volume(&flow) / before - 1.0).abs() < 1e-12, "{name}");
+            // It has begun to fall, and not faster than freely.
+            let (mesh, a, u) = (&flow.mesh, alpha(&flow), &flow.state.u.cells.data);
+            let sinks: f64 = (0..mesh.n_cells).map(|c| -u[c][1] * a[c] * mesh.volume[c]).sum();
+            let mean = sinks / volume(&flow);
+            println!("{name}: {mean} {}", fastest(&flow));
+            assert!((0.02..9.81 * 0.024).contains(&mean), "{name}: {mean}");
+            let (share, _) = flow.grains_in_fluid().expect("grains");
+            if let Some(g) = flow.fluid.rheology.field() {
+                for (c, share) in share.iter().enumerate() {
+                    assert_eq!(g.data[c] > 0.0, *share > 0.0, "{name}, cell {c}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn same_bits_for_any_number_of_threads() {
+    let poly = box_of_12();
+    let run = |threads| {
+        let mut two = heap(&poly, 0.1, 0.1);
+        two.threads = threads;
+        let mut flow = two.flow(|_| wall());
+        for _ in 0..3 {
+            flow.step(2e-3).expect("a step");
+        }
+        (flow.state.u.cells.data.clone(), flow.state.p.cells.data.clone(), alpha(&flow).to_vec())
+    };
+    let one = run(1);
+    assert!(one == run(3));
+}
+
+#[test]
+fn no_allocation_after_the_second_step() {
+    let poly = box_of_12();
+    for rheology in [ngf as fn(&Exec, &Mesh) -> Box<dyn Rheology>, mu_i] {
+        let mut two = heap(&poly, 1.0, 0.1);
+        two.rheology = Some(rheology);
+        // Multigrid may rebuild a hierarchy that has grown: see the law's exception.
+        two.numerics.u.solver = solver("PBiCGStab", "DILU");
+        two.numerics.p.solver = solver("PCG", "DIC");
+        two.numerics.compression = solver("PCG", "DIC");
+        let mut flow = two.flow(|_| wall());
+        for _ in 0..2 {
+            flow.step(1e-3).expect("a step");
+        }
+        let before = ALLOCATIONS.get();
+        for k in 0..30 {
+            let b = ALLOCATIONS.get();
+            flow.step(1e-3).expect("a step");
+            println!("step {k}: {}", ALLOCATIONS.get() - b);
+        }
+        assert_eq!(ALLOCATIONS.get() - before, 0);
+    }
+}
