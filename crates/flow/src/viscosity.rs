@@ -265,19 +265,15 @@ impl Flow {
             return;
         };
         let share = two_phase.as_ref().and_then(|t| t.share());
-        let apart = |c: u32| share.is_some_and(|s| sparse(s[c as usize]));
         let pressure = &w.pressure;
         exec.for_each(&mut w.eta_f.data[..mesh.n_inner], |first, eta| {
             for (i, eta) in eta.iter_mut().enumerate() {
                 let f = first + i;
-                let [o, n] = [mesh.owner[f], mesh.neighbour[f]];
-                if apart(o) || apart(n) {
-                    continue;
-                }
-                let r = pressure[n as usize].max(loose) / pressure[o as usize].max(loose);
-                if r != 1.0 {
-                    let w = mesh.weight[f];
-                    *eta *= (w + (1.0 - w) * r) / r.powf(1.0 - w);
+                let [o, n] = [mesh.owner[f], mesh.neighbour[f]].map(|c| c as usize);
+                let t = weight_beyond(share, [o, n], 1.0 - mesh.weight[f]);
+                let r = pressure[n].max(loose) / pressure[o].max(loose);
+                if r != 1.0 && t > 0.0 && t < 1.0 {
+                    *eta *= (1.0 - t + t * r) / r.powf(t);
                 }
             }
         });
@@ -291,6 +287,15 @@ pub(crate) fn strain_rate_of(exec: &Exec, gradient: &[Tensor], out: &mut [f64]) 
             *rate = (2.0 * granflow_base::double_dot_sym(&gradient[first + i])).sqrt();
         }
     });
+}
+
+/// Weight of the neighbour `cells[1]` in a mean of what only the material in the cells has, `weight` where
+/// both are full of it: by how much each holds.
+fn weight_beyond(share: Option<&[f64]>, cells: [usize; 2], weight: f64) -> f64 {
+    let Some(share) = share else { return weight };
+    let [o, n] = cells.map(|c| share[c]);
+    let (o, n) = ((1.0 - weight) * o, weight * n);
+    if n > 0.0 && o + n != 1.0 { n / (o + n) } else { n }
 }
 
 /// Viscosity on faces: between cells the weighted geometric mean, exact where viscosity changes
@@ -308,16 +313,17 @@ fn viscosity_on_faces(
     exec.for_each(&mut out.data, |first, out| {
         for (i, v) in out.iter_mut().enumerate() {
             let f = first + i;
-            let o = eta[mesh.owner[f] as usize];
-            let apart = |c: u32| share.is_some_and(|s| sparse(s[c as usize]));
+            let here = mesh.owner[f] as usize;
+            let o = eta[here];
             *v = match mesh.neighbour.get(f) {
-                // Beside a cell without the material it is that of the cell with it.
-                Some(&n) if apart(mesh.owner[f]) => eta[n as usize],
-                Some(&n) if apart(n) => o,
-                Some(&n) => {
-                    let (w, n) = (mesh.weight[f], eta[n as usize]);
+                Some(&there) => {
+                    let (there, w) = (there as usize, mesh.weight[f]);
                     // A ratio, so that equal neighbours give their value to the bit.
-                    o * (n / o).powf(1.0 - w)
+                    match weight_beyond(share, [here, there], 1.0 - w) {
+                        0.0 => o,
+                        1.0 => eta[there],
+                        t => o * (eta[there] / o).powf(t),
+                    }
                 }
                 None => o,
             };

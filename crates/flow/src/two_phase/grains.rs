@@ -137,17 +137,13 @@ impl Grains {
                         (mixed, a * one / mixed)
                     }
                     Mixing::Harmonic => {
-                        // The paper's way: cells are mixed, faces have their linear mean. What a face of
-                        // grains alone has beyond the linear mean of its cells it keeps, the less the
-                        // fewer grains there are.
-                        let own = |c: usize| if sparse(share[c]) { one } else { eta_1[c].min(STIFFEST * eta_2[c]) };
-                        let beyond = one / (w * own(o) + (1.0 - w) * own(n));
-                        let mixed = lerp(eta) * beyond.powf(share[o] * share[n]);
-                        let carried = |c: usize| {
-                            let a = share[c];
-                            if a <= 0.0 { 0.0 } else { eta[c] * a * eta[c] / eta_1[c] }
+                        // The paper's way: cells are mixed, faces have their linear mean.
+                        let half = |c: usize, w: f64| {
+                            let s = w * series(share[c], one, eta_2[c]);
+                            [s, s * share[c] * series(share[c], one, eta_2[c]) / one]
                         };
-                        (mixed, ((w * carried(o) + (1.0 - w) * carried(n)) / lerp(eta)).min(1.0))
+                        let ([a, da], [b, db]) = (half(o, w), half(n, 1.0 - w));
+                        (a + b, (da + db) / (a + b))
                     }
                     Mixing::FaceDirection => {
                         let g = gradient[o].scaled(w).axpy(1.0 - w, gradient[n]);
