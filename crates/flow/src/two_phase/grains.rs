@@ -113,7 +113,7 @@ impl Grains {
                 *eta = mixing.in_cell(share[c], eta_1[c].min(STIFFEST * eta_2[c]), eta_2[c]);
             }
         });
-        let (eta, gradient) = (&*eta, &gradient[..]);
+        let gradient = &gradient[..];
         exec.for_each2(&mut eta_f.data, response, |first, out, response| {
             for i in 0..out.len() {
                 let f = first + i;

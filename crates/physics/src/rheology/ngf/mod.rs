@@ -420,6 +420,37 @@ impl Ngf {
         });
     }
 
+    /// Cells that grains have reached since the last step have the mean fluidity of the grains beside
+    /// them.
+    fn reach_new_cells(&mut self, v: &FlowView<'_>) {
+        if v.share.is_none() {
+            return;
+        }
+        v.mesh.halo.update(v.exec, &mut self.g.cells.data);
+        let (g, mesh) = (&self.g.cells.data, v.mesh);
+        v.exec.for_each(&mut self.trial[..mesh.n_cells], |first, out| {
+            for (i, new) in out.iter_mut().enumerate() {
+                let c = first + i;
+                *new = g[c];
+                if !v.has(c) || g[c] > 0.0 {
+                    continue;
+                }
+                let (mut sum, mut of) = (0.0, 0.0);
+                for (f, _) in mesh.faces_of(c) {
+                    let Some(&n) = mesh.neighbour.get(f) else { continue };
+                    let other = if n as usize == c { mesh.owner[f] } else { n } as usize;
+                    if g[other] > 0.0 {
+                        sum += g[other];
+                        of += 1.0;
+                    }
+                }
+                *new = if of > 0.0 { sum / of } else { 0.0 };
+            }
+        });
+        self.g.cells.data[..mesh.n_cells].copy_from_slice(&self.trial[..mesh.n_cells]);
+        v.mesh.halo.update(v.exec, &mut self.g.cells.data);
+    }
+
     /// Where there are no grains there is no fluidity.
     fn leave_the_rest(&mut self, v: &FlowView<'_>) {
         if v.share.is_none() {
@@ -490,12 +521,18 @@ impl Rheology for Ngf {
         self.known = false;
     }
     fn recall(&mut self, v: &FlowView<'_>, eta: &mut CellField<f64>) -> bool {
-        let positive =
-            self.known || (0..v.mesh.n_cells).all(|c| self.g.cells.data[c] > 0.0 || !v.has(c));
-        let mut everywhere = [if positive { 0.0 } else { 1.0 }];
+        let g = &self.g.cells.data;
+        let unknown = |c: usize| v.has(c) && g[c] <= 0.0;
+        let lacks = match v.share {
+            // Cells that grains have just reached take it from where they came from.
+            Some(_) => !(0..v.mesh.n_cells).any(|c| g[c] > 0.0),
+            None => (0..v.mesh.n_cells).any(unknown),
+        };
+        let mut everywhere = [if self.known || !lacks { 0.0 } else { 1.0 }];
         v.exec.comm().max(&mut everywhere);
         self.known = everywhere[0] == 0.0;
         if self.known {
+            self.reach_new_cells(v);
             self.viscosity(v, eta);
         }
         self.known
