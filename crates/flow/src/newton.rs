@@ -35,7 +35,7 @@ pub(crate) struct Newton {
     /// Whether the present pass lets the viscosity follow.
     pub(crate) active: bool,
     /// Whether the last step of Newton's method was refused.
-    refused: bool,
+    pub(crate) refused: bool,
     /// Twice the strain rate tensor of the cells and the shares of their faces in it.
     twice_strain: Vec<Tensor>,
     shares: Vec<[f64; 3]>,
@@ -100,21 +100,29 @@ impl Flow {
     /// gradients must be up to date.
     pub(crate) fn local_strain_rate(&mut self) {
         let n = self.mesh.n_cells;
+        let least = self.least_rate();
         let Flow { exec, mesh, state, work: w, .. } = self;
         let Newton { twice_strain, shares, .. } = &mut w.newton;
         w.reconstruction.twice_strain(exec, mesh, &state.u, &w.grad_u, shares, twice_strain);
         let twice_strain = &*twice_strain;
         exec.for_each(&mut w.strain_rate[..n], |first, out| {
             for (i, rate) in out.iter_mut().enumerate() {
-                *rate = magnitude(&twice_strain[first + i]);
+                *rate = magnitude(&twice_strain[first + i]).max(least(mesh.volume[first + i]));
             }
         });
+    }
+
+    /// Least strain rate in a cell of a given volume.
+    fn least_rate(&self) -> impl Fn(f64) -> f64 + Sync + use<> {
+        let (share, g) = (self.work.slowest, granflow_base::norm(self.gravity.hydrostatic));
+        move |volume| if share > 0.0 { share * (g / volume.cbrt()).sqrt() } else { 0.0 }
     }
 
     /// The law on the faces: at the strain rate of their own differences but for what they share
     /// with their neighbours ([`SHARED`]), and the pressure that their cells have in the mean. The
     /// cell gradients of velocity and `work.strain_rate` must be up to date.
     pub(crate) fn evaluate_law_on_faces(&mut self) {
+        let least = self.least_rate();
         let Flow { exec, mesh, state, work: w, fluid, gravity, two_phase, .. } = self;
         let grains = two_phase.as_ref().and_then(|t| t.work.grains.as_ref());
         let pressure_of_cells = &w.pressure;
@@ -138,7 +146,8 @@ impl Flow {
                 rate[i] = match mesh.neighbour.get(f) {
                     Some(_) => SHARED * between(mesh, cell_rate, f) + (1.0 - SHARED) * own_rate[f],
                     None => own_rate[f],
-                };
+                }
+                .max(least(mesh.volume[mesh.owner[f] as usize]));
                 let (here, x) = (mesh.owner[f] as usize, mesh.face_centre[f]);
                 let weight = density[here] * dot(gravity.hydrostatic, x);
                 pressure[i] = match (mesh.neighbour.get(f), grains) {

@@ -48,6 +48,9 @@ pub(crate) struct Work {
     pub(crate) dp_dn: Vec<f64>,
     pub(crate) stress: Vec<Tensor>,
     pub(crate) strain_rate: Vec<f64>,
+    /// Least strain rate that a local law sees, over that of a free fall through the cell, 1/s: zero but
+    /// for the first guess of what is about to move.
+    pub(crate) slowest: f64,
     /// Magnitude of `stress`.
     pub(crate) tau: Vec<f64>,
     pub(crate) pressure: Vec<f64>,
@@ -107,6 +110,7 @@ impl Work {
             clock_start: (0.0, 0),
             solves: Default::default(),
             beyond: None,
+            slowest: 0.0,
             residuals: Residuals::default(),
             fresh: false,
             y: vec![0.0; m.n_cells],

@@ -5,6 +5,10 @@ use crate::{Flow, Report, State, StepError};
 use granflow_fv::Surroundings;
 use std::sync::Arc;
 
+/// Strain rate that grains are taken to have when a run starts, over that of a free fall through a cell:
+/// from too soft a material the iteration finds what stands still, from a rigid one not what gives way.
+const FIRST_RATE: f64 = 0.1;
+
 impl Flow {
     /// Makes this a flow of two fluids; the state has their volume fraction.
     #[must_use]
@@ -106,6 +110,7 @@ impl Flow {
         self.update_conditions();
         if starts {
             self.guess_pressure(dt)?;
+            self.work.slowest = FIRST_RATE;
         }
         self.recall_viscosity(dt)?;
         self.iterate(dt, &mut report)?;
