@@ -39,7 +39,7 @@ fn mu_i(_: &Exec, _: &Mesh) -> Box<dyn Rheology> {
     Box::new(granflow_physics::rheology::Local(Box::new(MuI(BEADS))))
 }
 
-/// A tank 0.2 m wide and high, grains in its left part up to `height`; 12 x 12 cells.
+/// A closed tank 0.2 m wide and high, grains in its left part up to `height`.
 fn heap(poly: &PolyMesh, width: f64, height: f64) -> Two<'_> {
     let mut two = water_and_air(poly, Shape::cuboid([-1.0; 3], [width, height, 1.0]));
     two.rho = [RHO, 1.2];
@@ -83,9 +83,11 @@ fn pressure_between_grains_is_measured_from_their_surface() {
     }
 }
 
-/// A heap that falls: every step converges, mass is kept, the fluidity stays with the grains.
+/// A column that gives way from rest, nothing known of the pressure: with mu(I) every step converges. The
+/// fluidity of NGF may still creep in cells that grains fill in part when the passes are used up; the flow
+/// does not hear of it.
 #[test]
-fn a_heap_falls_with_every_model_and_mixing() {
+fn a_column_gives_way_with_every_model_and_mixing() {
     let poly = box_of_12();
     for (name, mixing) in Mixing::ALL {
         for rheology in [mu_i as fn(&Exec, &Mesh) -> Box<dyn Rheology>, ngf] {
@@ -95,20 +97,21 @@ fn a_heap_falls_with_every_model_and_mixing() {
             let volume =
                 |f: &Flow| -> f64 { alpha(f).iter().zip(&f.mesh.volume).map(|(a, v)| a * v).sum() };
             let before = volume(&flow);
-            for k in 0..12 {
-                let Ok(report) = flow.step(2e-3) else {
-                    println!("{name} {k} failed");
-                    break;
-                };
-                println!("{name}, {k}: {} {:?}", report.converged, report.residuals);
+            let local = flow.fluid.rheology.is_local();
+            for step in 0..12 {
+                let report = flow.step(2e-3).expect("a step");
+                let now = report.residuals;
+                println!("{name}, local {local}, {step}: {} {now:?}", report.converged);
+                assert!(report.converged || !local, "{name}, {step}: {now:?}");
+                assert!(now.u < 1e-3 && now.p < 1e-6, "{name}, {step}: {now:?}");
             }
             assert!((volume(&flow) / before - 1.0).abs() < 1e-12, "{name}");
-            // It has begun to fall, and not faster than freely.
+            // Where it began to fall it does so slower than freely: the mean over all grains.
             let (mesh, a, u) = (&flow.mesh, alpha(&flow), &flow.state.u.cells.data);
             let sinks: f64 = (0..mesh.n_cells).map(|c| -u[c][1] * a[c] * mesh.volume[c]).sum();
             let mean = sinks / volume(&flow);
-            println!("{name}: {mean} {}", fastest(&flow));
-            if !((0.02..9.81 * 0.024).contains(&mean)) { println!("BAD"); }
+            println!("{name}, local {local}: {mean} m/s");
+            assert!((0.04..0.08).contains(&mean), "{name}: {mean}");
             let (share, _) = flow.grains_in_fluid().expect("grains");
             if let Some(g) = flow.fluid.rheology.field() {
                 for (c, share) in share.iter().enumerate() {
@@ -150,10 +153,8 @@ fn no_allocation_after_the_second_step() {
             flow.step(1e-3).expect("a step");
         }
         let before = ALLOCATIONS.get();
-        for k in 0..30 {
-            let b = ALLOCATIONS.get();
+        for _ in 0..10 {
             flow.step(1e-3).expect("a step");
-            println!("step {k}: {}", ALLOCATIONS.get() - b);
         }
         assert_eq!(ALLOCATIONS.get() - before, 0);
     }
