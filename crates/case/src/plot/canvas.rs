@@ -5,13 +5,15 @@
 //! are dashes (kuva's start anew at every point of a raster line) and vertical text (kuva's has
 //! no anti-aliasing: it is drawn flat here and turned by exactly 90 degrees).
 
-use kuva::backend::raster::RasterBackend;
 use kuva::backend::svg::SvgBackend;
 use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene, TextAnchor};
 
+use super::image::{Image, base64};
+use super::raster::Raster;
 use super::text::{self, Run};
 use super::{Marker, PlotError, Rgb};
+use std::fmt::Write;
 
 /// A place on the page: right, down.
 pub(super) type Point = (f64, f64);
@@ -102,6 +104,11 @@ struct Vertical {
 pub(super) struct Canvas {
     scene: Scene,
     vertical: Vec<Vertical>,
+    /// What lies under all lines and texts: pixels for PNG, a picture for SVG.
+    backdrop: Option<Raster>,
+    embedded: Option<String>,
+    /// Lines of any colour on the backdrop.
+    over: Vec<(Vec<Point>, Rgb, f64)>,
 }
 
 impl Canvas {
@@ -109,7 +116,28 @@ impl Canvas {
         let mut scene = Scene::new(width, height);
         scene.font_family = Some("DejaVu Sans, Verdana, Arial, sans-serif".to_owned());
         scene.text_color = Some("#1a1a1a".to_owned());
-        Canvas { scene, vertical: Vec::new() }
+        Canvas { scene, vertical: Vec::new(), backdrop: None, embedded: None, over: Vec::new() }
+    }
+
+    /// Pixels of the whole page under all lines and texts, made at the scale of the picture.
+    pub(super) fn set_backdrop(&mut self, pixels: Raster) {
+        self.backdrop = Some(pixels);
+    }
+
+    /// The same for SVG: the picture goes into the file.
+    ///
+    /// # Errors
+    /// When the pixels cannot be encoded.
+    pub(super) fn embed(&mut self, pixels: Raster) -> Result<(), PlotError> {
+        let image = Image::from(pixels);
+        let scale = image.width as f64 / self.scene.width;
+        self.embedded = Some(base64(&image.encode(scale)?));
+        Ok(())
+    }
+
+    /// A line on the backdrop: light ones are seen, too.
+    pub(super) fn line_over(&mut self, points: Vec<Point>, colour: Rgb, width: f64) {
+        self.over.push((points, colour, width));
     }
 
     /// A horizontal text with its baseline at `at`.
@@ -235,16 +263,48 @@ impl Canvas {
         }
         let (w, h) = (self.scene.width, self.scene.height);
         // Without a viewBox a browser or LaTeX cannot scale the picture.
-        SvgBackend::new().with_pretty(true).render_scene(&self.scene).replacen(
+        let mut svg = SvgBackend::new().with_pretty(true).render_scene(&self.scene).replacen(
             " width=",
             &format!(" viewBox=\"0 0 {w} {h}\" width="),
             1,
-        )
+        );
+        let mut under = String::new();
+        if let Some(data) = &self.embedded {
+            let _ = writeln!(
+                under,
+                "  <image x=\"0\" y=\"0\" width=\"{w}\" height=\"{h}\" \
+                 href=\"data:image/png;base64,{data}\" />"
+            );
+        }
+        for (points, colour, width) in &self.over {
+            let Rgb(r, g, b) = colour;
+            under.push_str("  <polyline points=\"");
+            for (x, y) in points {
+                let _ = write!(under, "{x:.2},{y:.2} ");
+            }
+            let _ = writeln!(
+                under,
+                "\" fill=\"none\" stroke=\"#{r:02x}{g:02x}{b:02x}\" stroke-width=\"{width}\" \
+                 stroke-linejoin=\"round\" />"
+            );
+        }
+        // Behind the white sheet, which comes first.
+        const SHEET: &str = "fill=\"white\" />\n";
+        if let Some(at) = svg.find(SHEET) {
+            svg.insert_str(at + SHEET.len(), &under);
+        }
+        svg
     }
 
     /// Renders at `scale` pixels per unit of the page.
     pub(super) fn into_png(self, scale: f64) -> Result<Vec<u8>, PlotError> {
         let mut page = Image::of(&self.scene, scale)?;
+        if let Some(mut raster) = self.backdrop {
+            for (points, colour, width) in &self.over {
+                raster.stroke(points, *colour, *width);
+            }
+            page.multiply(&Image::from(raster));
+        }
         for v in &self.vertical {
             let (length, height) = (text::width(&v.runs, v.size) + 8.0, 2.0 * v.size);
             let (mid, base) = (0.5 * length, 1.4 * v.size);
@@ -307,68 +367,6 @@ fn plain(x: f64, y: f64, content: &str, size: f64, rotate: Option<f64>) -> Primi
         rotate,
         bold: false,
         color: None,
-    }
-}
-
-/// An RGB picture.
-struct Image {
-    width: usize,
-    height: usize,
-    rgb: Vec<u8>,
-}
-
-impl Image {
-    fn of(scene: &Scene, scale: f64) -> Result<Image, PlotError> {
-        let bytes =
-            RasterBackend { scale: scale as f32 }.render_scene(scene).map_err(PlotError::Raster)?;
-        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info()?;
-        let size = reader.output_buffer_size();
-        let mut data = vec![0; size.ok_or_else(|| PlotError::Raster("picture too large".into()))?];
-        let info = reader.next_frame(&mut data)?;
-        let samples = info.color_type.samples();
-        if info.bit_depth != png::BitDepth::Eight || samples < 3 {
-            return Err(PlotError::Raster("unexpected pixel format".into()));
-        }
-        data.truncate(info.buffer_size());
-        let rgb = data.chunks_exact(samples).flat_map(|p| [p[0], p[1], p[2]]).collect();
-        Ok(Image { width: info.width as usize, height: info.height as usize, rgb })
-    }
-
-    /// Multiplies a dark-on-white picture onto this one, turned a quarter to the left, such that
-    /// its pixel `pivot` comes to lie on `at`.
-    fn multiply_turned(&mut self, label: &Image, at: (i64, i64), pivot: (i64, i64)) {
-        for v in 0..label.height {
-            for u in 0..label.width {
-                let (x, y) = (at.0 + v as i64 - pivot.1, at.1 - (u as i64 - pivot.0));
-                let (Ok(x), Ok(y)) = (usize::try_from(x), usize::try_from(y)) else { continue };
-                if x >= self.width || y >= self.height {
-                    continue;
-                }
-                let (to, from) = (3 * (y * self.width + x), 3 * (v * label.width + u));
-                for k in 0..3 {
-                    let product = u16::from(self.rgb[to + k]) * u16::from(label.rgb[from + k]);
-                    self.rgb[to + k] = (product / 255) as u8;
-                }
-            }
-        }
-    }
-
-    fn encode(&self, scale: f64) -> Result<Vec<u8>, PlotError> {
-        let mut out = Vec::new();
-        let mut encoder = png::Encoder::new(&mut out, self.width as u32, self.height as u32);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        // One unit of the page is 1/120 inch: 800 units are 17 cm, the width of a printed page.
-        let per_metre = (120.0 * scale / 0.0254).round() as u32;
-        encoder.set_pixel_dims(Some(png::PixelDimensions {
-            xppu: per_metre,
-            yppu: per_metre,
-            unit: png::Unit::Meter,
-        }));
-        let mut writer = encoder.write_header()?;
-        writer.write_image_data(&self.rgb)?;
-        writer.finish()?;
-        Ok(out)
     }
 }
 

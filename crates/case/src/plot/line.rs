@@ -2,6 +2,7 @@
 
 use super::axis::{Axis, Ruler, Tick};
 use super::canvas::{Anchor, Box2, Canvas, Point};
+use super::frame::{self, INK, LABEL_SIZE, TICK_SIZE, TITLE_SIZE, label_width};
 use super::legend::{self, Entry};
 use super::text;
 use super::{Marker, PALETTE, PlotError, Rgb};
@@ -85,10 +86,6 @@ pub struct LineFigure {
 }
 
 const PAGE: (f64, f64) = (800.0, 560.0);
-const TITLE_SIZE: f64 = 18.0;
-const LABEL_SIZE: f64 = 19.0;
-const TICK_SIZE: f64 = 16.0;
-const INK: Rgb = Rgb(26, 26, 26);
 const GRID: Rgb = Rgb(226, 226, 226);
 /// Width of curves.
 pub(super) const WIDTH: f64 = 2.2;
@@ -295,37 +292,9 @@ impl Layout {
                 canvas.line((b.left, y), (b.right, y), GRID, 1.0);
             }
         }
-        // Ticks point inwards, on all four sides.
-        for t in &self.x.ticks {
-            let Some(x) = x_at(t) else { continue };
-            let long = if t.label.is_some() { 7.0 } else { 4.0 };
-            canvas.line((x, b.bottom), (x, b.bottom - long), INK, 1.2);
-            canvas.line((x, b.top), (x, b.top + long), INK, 1.2);
-            if let Some(label) = &t.label {
-                let at = (x, b.bottom + 1.4 * TICK_SIZE);
-                canvas.text(at, &text::parse(label), TICK_SIZE, Anchor::Middle);
-            }
-        }
-        for t in &self.y.ticks {
-            let Some(y) = y_at(t) else { continue };
-            let long = if t.label.is_some() { 7.0 } else { 4.0 };
-            canvas.line((b.left, y), (b.left + long, y), INK, 1.2);
-            canvas.line((b.right, y), (b.right - long, y), INK, 1.2);
-            if let Some(label) = &t.label {
-                let at = (b.left - 9.0, y + 0.36 * TICK_SIZE);
-                canvas.text(at, &text::parse(label), TICK_SIZE, Anchor::End);
-            }
-        }
-        canvas.rect(b, None, Some((INK, 1.4)));
+        frame::ticks(canvas, b, &self.x, &self.y);
 
         let middle = (0.5 * (b.left + b.right), 0.5 * (b.top + b.bottom));
-        if self.x.factor != 0 {
-            let at = (b.right, b.bottom + 3.1 * TICK_SIZE);
-            canvas.text(at, &factor(self.x.factor), TICK_SIZE, Anchor::End);
-        }
-        if self.y.factor != 0 {
-            canvas.text((b.left, b.top - 7.0), &factor(self.y.factor), TICK_SIZE, Anchor::Start);
-        }
         let below = (middle.0, PAGE.1 - 16.0);
         canvas.text(below, &text::parse(&figure.x.label), LABEL_SIZE, Anchor::Middle);
         if !figure.y.label.is_empty() {
@@ -335,12 +304,4 @@ impl Layout {
         let above = (middle.0, 12.0 + TITLE_SIZE);
         canvas.text(above, &text::parse(&figure.title), TITLE_SIZE, Anchor::Middle);
     }
-}
-
-fn label_width(label: &str) -> f64 {
-    text::width(&text::parse(label), TICK_SIZE)
-}
-
-fn factor(exponent: i32) -> Vec<text::Run> {
-    text::parse(&format!("×10^{{{exponent}}}"))
 }
