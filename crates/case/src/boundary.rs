@@ -74,7 +74,7 @@ pub fn resolve<T: FieldType>(
 }
 
 /// The key of the entry that serves `patch`.
-fn key_of(boundary: &Dict, patch: &PolyPatch) -> Option<String> {
+pub(crate) fn key_of(boundary: &Dict, patch: &PolyPatch) -> Option<String> {
     let word = |name: &str| {
         let exact = |e: &&Entry| matches!(&e.key, Key::Word(w) if w == name);
         boundary.entries.iter().find(exact).map(|_| name.to_owned())

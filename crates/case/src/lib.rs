@@ -23,6 +23,7 @@ pub mod output;
 pub mod plot;
 pub mod restart;
 mod run;
+mod section;
 pub mod set_fields;
 pub mod store;
 mod superseded;

@@ -74,7 +74,7 @@ pub fn export(root: &Path, sink: &Sink) -> Result<Exported, CaseError> {
 }
 
 /// Names of the files in a time directory, without `.gz`, in order.
-fn names_in(dir: &Path) -> Result<Vec<String>, StoreError> {
+pub(crate) fn names_in(dir: &Path) -> Result<Vec<String>, StoreError> {
     let fail = |e| StoreError::new(Operation::Read, dir, e);
     let mut names = Vec::new();
     for entry in fs::read_dir(dir).map_err(fail)? {

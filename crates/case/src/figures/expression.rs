@@ -2,9 +2,11 @@
 //!
 //! `+ - * / ^`, parentheses, numbers, names of columns (in backquotes when they hold other than
 //! letters, digits and `_`), `abs sqrt exp log log10 sin cos`, and over the whole column
-//! `max min mean first last`.
+//! `max min mean first last`. `mag(U)` is the length of the vector with the columns `U_x U_y U_z`.
+//! Names may hold dots: `alpha.grains`.
 
 use super::table::Table;
+use std::cell::RefCell;
 
 /// What is wrong with an expression.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -46,12 +48,27 @@ pub fn check(text: &str) -> Result<(), ExpressionError> {
     Parser::new(text, None).whole().map(drop)
 }
 
+/// The names of the columns it needs, each once.
+///
+/// # Errors
+/// [`ExpressionError`].
+pub fn names(text: &str) -> Result<Vec<String>, ExpressionError> {
+    let seen = RefCell::new(Vec::new());
+    Parser { seen: Some(&seen), ..Parser::new(text, None) }.whole()?;
+    let mut names = seen.into_inner();
+    names.sort();
+    names.dedup();
+    Ok(names)
+}
+
 struct Parser<'t> {
     rest: &'t str,
     /// `None`: only the form of the expression matters.
     table: Option<&'t Table>,
     n: usize,
     depth: usize,
+    /// Collects the names of columns.
+    seen: Option<&'t RefCell<Vec<String>>>,
 }
 
 type Column = Result<Vec<f64>, ExpressionError>;
@@ -63,7 +80,7 @@ fn zip(a: Vec<f64>, b: &[f64], f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
 impl<'t> Parser<'t> {
     fn new(text: &'t str, table: Option<&'t Table>) -> Parser<'t> {
         let n = table.and_then(|t| t.columns.first()).map_or(0, Vec::len);
-        Parser { rest: text, table, n, depth: 0 }
+        Parser { rest: text, table, n, depth: 0, seen: None }
     }
     fn whole(mut self) -> Column {
         let v = self.sum()?;
@@ -152,7 +169,7 @@ impl<'t> Parser<'t> {
             self.rest = rest;
             return Ok(vec![x; self.n]);
         }
-        let word = |c: char| !(c.is_alphanumeric() || c == '_');
+        let word = |c: char| !(c.is_alphanumeric() || matches!(c, '_' | '.' | ':'));
         let end = self.rest.find(word).unwrap_or(self.rest.len());
         if end == 0 {
             return self.expected("a number, a column or `(`");
@@ -187,6 +204,9 @@ impl<'t> Parser<'t> {
         end
     }
     fn column(&self, name: &str) -> Column {
+        if let Some(seen) = self.seen {
+            seen.borrow_mut().push(name.to_owned());
+        }
         let Some(table) = self.table else { return Ok(Vec::new()) };
         match table.column(name) {
             Some(i) => Ok(table.columns[i].clone()),
@@ -198,6 +218,19 @@ impl<'t> Parser<'t> {
     }
     fn call(&mut self, name: &str) -> Column {
         self.take('(');
+        if name == "mag" {
+            let Some((vector, rest)) = self.rest.split_once(')') else {
+                return self.expected("`)`");
+            };
+            self.rest = rest;
+            let square = |axis: &str| {
+                let x = self.column(&format!("{}_{axis}", vector.trim()))?;
+                Ok(x.into_iter().map(|x| x * x).collect::<Vec<f64>>())
+            };
+            let sum =
+                zip(zip(square("x")?, &square("y")?, |a, b| a + b), &square("z")?, |a, b| a + b);
+            return Ok(sum.into_iter().map(f64::sqrt).collect());
+        }
         let x = self.sum()?;
         if !self.take(')') {
             return self.expected("`)`");
@@ -218,7 +251,7 @@ impl<'t> Parser<'t> {
             "first" => all(x.first().copied().unwrap_or(f64::NAN)),
             "last" => all(x.last().copied().unwrap_or(f64::NAN)),
             _ => Err(ExpressionError::Expected {
-                expected: "one of abs sqrt exp log log10 sin cos max min mean first last",
+                expected: "one of abs sqrt exp log log10 sin cos mag max min mean first last",
                 found: name.to_owned(),
             }),
         }
@@ -242,6 +275,17 @@ mod tests {
         assert_eq!(value("abs(-x) + sqrt(4)"), [3.0, 6.0]);
         assert_eq!(value("2^-1"), [0.5, 0.5]);
         assert_eq!(value("col3"), [3.0, 6.0]);
+    }
+
+    #[test]
+    fn vectors_and_names_with_dots() {
+        let t = Table::parse("# U_x U_y U_z a.b\n3 4 12 7\n");
+        assert_eq!(evaluate("mag( U )/13 + a.b", &t).unwrap(), [8.0]);
+        assert_eq!(
+            names("mag(U) + max(a.b)*pi + U_x").unwrap(),
+            ["U_x", "U_y", "U_z", "a.b", "pi"]
+        );
+        assert!(evaluate("mag(V)", &t).is_err() && check("mag(U").is_err());
     }
 
     #[test]

@@ -26,17 +26,24 @@
 //! }
 //! ```
 //!
+//! `type slice;` and `type volume;` draw fields instead: see the book, "Figures".
+//!
 //! `reference` is a file like any other, drawn with markers. Columns have the names that the
 //! file's header gives, and `col1`, `col2`, ...; see [`expression`] and [`table`].
 
 pub mod expression;
+mod field;
 mod gaps;
+mod slice;
+mod solid;
 pub mod table;
 
 use crate::CaseError;
 use crate::files;
 use crate::output::POST;
-use crate::plot::{Axis, Legend, LineFigure, Marker, Scale, Series, Style};
+use crate::plot::{
+    Axis, Legend, LineFigure, Marker, Scale, Series, SliceFigure, SolidFigure, Style,
+};
 use crate::store::{Operation, StoreError, TimeName, write_atomic};
 use gaps::Gaps;
 use granflow_dict::{Reader, Severity, Sink};
@@ -49,6 +56,14 @@ use table::Table;
 /// The file is there and cannot be read.
 pub fn check(root: &Path, sink: &Sink) -> Result<(), CaseError> {
     read(root, Look::AtForm, sink).map(drop)
+}
+
+/// What a figure is.
+#[derive(Clone, Copy, PartialEq)]
+enum Kind {
+    Lines,
+    Slice,
+    Volume,
 }
 
 /// What reading a figure looks at.
@@ -72,23 +87,65 @@ pub fn draw(root: &Path, sink: &Sink) -> Result<Vec<PathBuf>, CaseError> {
         return Err(CaseError::Invalid);
     }
     let mut out = Vec::new();
-    for (name, figure) in drawn.iter().filter(|(_, f)| !f.series.is_empty()) {
-        let stem = root.join(POST).join("figures").join(name);
-        let (svg, png) = (stem.with_extension("svg"), stem.with_extension("png"));
-        write_atomic(&svg, figure.to_svg().as_bytes())?;
-        write_atomic(&png, &figure.to_png()?)?;
+    for (name, figure) in &drawn {
+        let (drawing, picture) = match figure {
+            Figure::Lines(f) if f.series.is_empty() => continue,
+            Figure::Lines(f) => (f.to_svg(), f.to_png()?),
+            Figure::Slice(f) => (f.to_svg()?, f.to_png()?),
+            Figure::Solid(f) => (f.to_svg()?, f.to_png()?),
+        };
+        let file = |ending: &str| root.join(POST).join("figures").join(format!("{name}.{ending}"));
+        let (svg, png) = (file("svg"), file("png"));
+        write_atomic(&svg, drawing.as_bytes())?;
+        write_atomic(&png, &picture)?;
         out.extend([png, svg]);
     }
     Ok(out)
 }
 
+/// A figure of any kind.
+enum Figure {
+    Lines(LineFigure),
+    Slice(SliceFigure),
+    Solid(SolidFigure),
+}
+
 /// The figures of `system/plotDict` with their names.
-fn read(root: &Path, look: Look, sink: &Sink) -> Result<Vec<(String, LineFigure)>, CaseError> {
+fn read(root: &Path, look: Look, sink: &Sink) -> Result<Vec<(String, Figure)>, CaseError> {
     let Some(dict) = files::dict(root, "system/plotDict", sink)? else { return Ok(Vec::new()) };
     let r = Reader::new(&dict, sink);
     let (mut out, mut gaps) = (Vec::new(), Gaps::default());
+    // The mesh is read once, and only if a figure needs it.
+    let mut grid = None;
     for (name, figure) in r.sub("figures").map_or(Vec::new(), |f| f.subs()) {
-        out.push((name.to_owned(), read_figure(root, look, &figure, &mut gaps)?));
+        let kinds = [("lines", Kind::Lines), ("slice", Kind::Slice), ("volume", Kind::Volume)];
+        let kind = figure.opt_one_of("type", &kinds, Kind::Lines);
+        if kind == Kind::Lines {
+            let lines = read_figure(root, look, &figure, &mut gaps)?;
+            out.push((name.to_owned(), Figure::Lines(lines)));
+            continue;
+        }
+        let times = match look {
+            Look::AtForm => {
+                time_given(&figure);
+                Vec::new()
+            }
+            Look::AtData => wanted_times(root, "<time>", &figure, &mut gaps)?,
+        };
+        if grid.is_none() && !times.is_empty() {
+            grid = Some(field::grid(root, sink)?);
+        }
+        let scene = |time| grid.as_ref().map(|grid| field::Scene::new(root, time, grid));
+        let scenes: Vec<field::Scene<'_>> = times.iter().filter_map(|t| scene(t)).collect();
+        let drawn: Vec<Figure> = match kind {
+            Kind::Volume => solid::read(&figure, &scenes)?.into_iter().map(Figure::Solid).collect(),
+            _ => slice::read(&figure, &scenes)?.into_iter().map(Figure::Slice).collect(),
+        };
+        let several = times.len() > 1;
+        for (time, figure) in times.iter().zip(drawn) {
+            let name = if several { format!("{name}_{time}") } else { name.to_owned() };
+            out.push((name, figure));
+        }
     }
     gaps.warn(sink);
     r.finish(Severity::Error);

@@ -83,11 +83,7 @@ fn cool_warm(t: f64) -> Rgb {
     let middle = WHITE.max(cool[0]).max(warm[0]);
     let (end, t) = if t < 0.5 { (cool, 2.0 * t) } else { (warm, 2.0 - 2.0 * t) };
     let hue = turned_hue(end, middle);
-    from_msh([
-        end[0] + t * (middle - end[0]),
-        end[1] * (1.0 - t),
-        end[2] + t * (hue - end[2]),
-    ])
+    from_msh([end[0] + t * (middle - end[0]), end[1] * (1.0 - t), end[2] + t * (hue - end[2])])
 }
 
 /// Hue with which a saturated colour approaches white evenly.

@@ -2,7 +2,7 @@
 
 use super::axis::{Axis, Ruler, Tick};
 use super::canvas::{Anchor, Box2, Canvas, Point};
-use super::frame::{self, INK, LABEL_SIZE, TICK_SIZE, TITLE_SIZE, label_width};
+use super::frame::{self, LABEL_SIZE, TICK_SIZE, TITLE_SIZE, label_width};
 use super::legend::{self, Entry};
 use super::text;
 use super::{Marker, PALETTE, PlotError, Rgb};

@@ -45,7 +45,9 @@ impl Raster {
     fn covered(&self, b: Box2) -> (std::ops::Range<usize>, std::ops::Range<usize>) {
         let w = &self.window;
         let from = |v: f64, lo: f64| (v.max(lo) - 0.5).ceil().max(0.0) as usize;
-        let to = |v: f64, hi: f64, n: usize| (((v.min(hi) - 0.5).floor() + 1.0).max(0.0) as usize).min(n);
+        let to = |v: f64, hi: f64, n: usize| {
+            (((v.min(hi) - 0.5).floor() + 1.0).max(0.0) as usize).min(n)
+        };
         (
             from(b.left, w.left)..to(b.right, w.right, self.width),
             from(b.top, w.top)..to(b.bottom, w.bottom, self.height),
@@ -121,7 +123,8 @@ impl Raster {
             let y = row as f64 + 0.5 - a[1];
             for column in columns.clone() {
                 let x = column as f64 + 0.5 - a[0];
-                let t = if length2 > 0.0 { ((x * dx + y * dy) / length2).clamp(0.0, 1.0) } else { 0.0 };
+                let t =
+                    if length2 > 0.0 { ((x * dx + y * dy) / length2).clamp(0.0, 1.0) } else { 0.0 };
                 let off = (x - t * dx).hypot(y - t * dy);
                 let at = row * self.width + column;
                 let depth = (a[2] + t * (b[2] - a[2]) - slack) as f32;
@@ -150,7 +153,10 @@ impl Raster {
                     let mut sum = 0;
                     for i in 0..FINE {
                         let at = (row * FINE + i) * self.width + column * FINE;
-                        sum += self.rgb[at..at + FINE].iter().map(|c| usize::from(c[k])).sum::<usize>();
+                        sum += self.rgb[at..at + FINE]
+                            .iter()
+                            .map(|c| usize::from(c[k]))
+                            .sum::<usize>();
                     }
                     let samples = FINE * FINE;
                     out.push(((sum + samples / 2) / samples) as u8);

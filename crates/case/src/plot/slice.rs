@@ -92,7 +92,8 @@ impl<'a> Layout<'a> {
     fn new(figure: &'a SliceFigure) -> Layout<'a> {
         let ends = |of: fn(&(f64, f64, f64)) -> f64, given: Option<(f64, f64)>| {
             let all = figure.triangles.iter().flatten().map(of).filter(|v| v.is_finite());
-            let (lo, hi) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |e, v| (e.0.min(v), e.1.max(v)));
+            let (lo, hi) =
+                all.fold((f64::INFINITY, f64::NEG_INFINITY), |e, v| (e.0.min(v), e.1.max(v)));
             let found = if lo < hi { (lo, hi) } else { (0.0, 1.0) };
             given.filter(|(a, b)| a < b).unwrap_or(found)
         };
