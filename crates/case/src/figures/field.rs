@@ -59,7 +59,7 @@ impl<'a> Scene<'a> {
         // A mistake of form was reported when the dictionary was read.
         let Ok(names) = expression::names(text) else { return Ok(None) };
         let n = self.grid.n_samples();
-        let mut known = vec![true; n];
+        let (mut known, mut periodic) = (vec![true; n], true);
         let mut table = Table::default();
         for name in names {
             let Some(column) = self.column(&name, r.sink())? else {
@@ -70,6 +70,7 @@ impl<'a> Scene<'a> {
                 continue;
             };
             known.iter_mut().zip(&column.known).for_each(|(a, b)| *a &= b);
+            periodic &= column.periodic;
             table.names.push(name);
             table.columns.push(column.values);
         }
@@ -79,7 +80,7 @@ impl<'a> Scene<'a> {
             table.columns.push(vec![0.0; n]);
         }
         match expression::evaluate(text, &table) {
-            Ok(values) => Ok(Some(Samples { values, known })),
+            Ok(values) => Ok(Some(Samples { values, known, periodic })),
             Err(e) => {
                 r.error_at_key(key, format!("`{text}`: {e}"), "cannot be evaluated", None);
                 Ok(None)
@@ -97,7 +98,7 @@ impl<'a> Scene<'a> {
         if let Some(k) = axis(name) {
             let n = self.grid.n_samples();
             let values = (0..n).map(|s| self.grid.place(s)[k]).collect();
-            return Ok(Some(Samples { values, known: vec![true; n] }));
+            return Ok(Some(Samples { values, known: vec![true; n], periodic: false }));
         }
         let Some((vector, k)) = name.rsplit_once('_').and_then(|(v, a)| Some((v, axis(a)?))) else {
             return Ok(None);
@@ -208,6 +209,7 @@ impl<'a> Scene<'a> {
                 })
                 .collect(),
             known: all.iter().map(Option::is_some).collect(),
+            periodic: true,
         };
         (0..T::N).map(component).collect()
     }
@@ -242,34 +244,4 @@ pub(super) fn check(r: &Reader<'_>, key: &str, text: &str) {
         let e: ExpressionError = e;
         r.error_at_key(key, format!("`{key}`: {e}"), "cannot be evaluated", None);
     }
-}
-
-/// A range of a field, an entry of `where`.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Within {
-    pub(super) field: String,
-    pub(super) range: (f64, f64),
-}
-
-/// Reads `where { alpha.grains (0.5 1); }`: the ranges of fields something is confined to, at
-/// most four.
-pub(super) fn within<'a>(r: &Reader<'a>) -> Option<(Reader<'a>, Vec<Within>)> {
-    let sub = r.opt_sub("where")?;
-    let mut out = Vec::new();
-    for key in sub.keys() {
-        match sub.maybe_scalars(key).as_deref() {
-            Some([a, b]) if a < b => {
-                out.push(Within { field: key.to_owned(), range: (*a, *b) });
-            }
-            _ => {
-                let help = Some("write `alpha.grains (0.5 1);`");
-                sub.error_at_key(key, "a range is two growing numbers", "not a range", help);
-            }
-        }
-    }
-    if out.len() > 4 {
-        r.error_at_key("where", "at most four fields", "too many", None);
-        out.truncate(4);
-    }
-    Some((sub, out))
 }

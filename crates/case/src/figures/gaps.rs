@@ -1,4 +1,4 @@
-//! Data that curves ask for and that are not there: said once a folder, not once a curve or time.
+//! Data that curves and figures ask for and that are not there: said once a folder, not once a curve or time.
 
 use granflow_dict::{Diag, Sink, Span};
 
@@ -7,10 +7,12 @@ use granflow_dict::{Diag, Sink, Span};
 pub(super) struct Gaps(Vec<Gap>);
 
 struct Gap {
+    /// Empty: the case itself, asked for by figures of fields.
     folder: String,
     /// Names of the times; none when nothing at all is there.
     times: Vec<String>,
-    curves: usize,
+    /// How many curves or figures are left out.
+    left_out: usize,
     /// Where the first of them is asked for.
     at: Span,
 }
@@ -21,7 +23,7 @@ impl Gaps {
         let same = |g: &&mut Gap| g.folder == folder && g.times.is_empty() == times.is_empty();
         match self.0.iter_mut().find(same) {
             Some(g) => {
-                g.curves += times.len().max(1);
+                g.left_out += times.len().max(1);
                 let new = times.iter().filter(|t| !g.times.contains(t)).cloned();
                 let new: Vec<String> = new.collect();
                 g.times.extend(new);
@@ -29,23 +31,33 @@ impl Gaps {
             None => self.0.push(Gap {
                 folder: folder.to_owned(),
                 times: times.to_vec(),
-                curves: times.len().max(1),
+                left_out: times.len().max(1),
                 at: at.clone(),
             }),
         }
     }
 
+    /// A figure lacks `times` of the case, or the case has none.
+    pub(super) fn note_fields(&mut self, times: &[String], at: &Span) {
+        self.note("", times, at);
+    }
+
     /// One warning for each folder.
     pub(super) fn warn(self, sink: &Sink) {
         for g in self.0 {
-            let message = match &g.times[..] {
-                [] => format!("there are no data in {}", g.folder),
-                [t] => format!("no data for the time {t} in {}", g.folder),
-                all => format!("no data for the times {} in {}", all.join(", "), g.folder),
+            let times = g.times.join(", ");
+            let message = match (&g.folder[..], g.times.len()) {
+                ("", 0) => "the case has no time directories".to_owned(),
+                ("", 1) => format!("the case has no time {times}"),
+                ("", _) => format!("the case has no times {times}"),
+                (folder, 0) => format!("there are no data in {folder}"),
+                (folder, 1) => format!("no data for the time {times} in {folder}"),
+                (folder, _) => format!("no data for the times {times} in {folder}"),
             };
-            let label = match g.curves {
-                1 => "the curve is left out".to_owned(),
-                n => format!("{n} curves are left out"),
+            let what = if g.folder.is_empty() { "figure" } else { "curve" };
+            let label = match g.left_out {
+                1 => format!("the {what} is left out"),
+                n => format!("{n} {what}s are left out"),
             };
             sink.push(Diag::warning(&g.at, message).label(label));
         }

@@ -34,6 +34,8 @@
 pub mod expression;
 mod field;
 mod gaps;
+mod limits;
+mod shades;
 mod slice;
 mod solid;
 pub mod table;
@@ -91,8 +93,8 @@ pub fn draw(root: &Path, sink: &Sink) -> Result<Vec<PathBuf>, CaseError> {
         let (drawing, picture) = match figure {
             Figure::Lines(f) if f.series.is_empty() => continue,
             Figure::Lines(f) => (f.to_svg(), f.to_png()?),
-            Figure::Slice(f) => (f.to_svg()?, f.to_png()?),
-            Figure::Solid(f) => (f.to_svg()?, f.to_png()?),
+            Figure::Slice(f) => f.render()?,
+            Figure::Solid(f) => f.render()?,
         };
         let file = |ending: &str| root.join(POST).join("figures").join(format!("{name}.{ending}"));
         let (svg, png) = (file("svg"), file("png"));
@@ -119,37 +121,60 @@ fn read(root: &Path, look: Look, sink: &Sink) -> Result<Vec<(String, Figure)>, C
     let mut grid = None;
     for (name, figure) in r.sub("figures").map_or(Vec::new(), |f| f.subs()) {
         let kinds = [("lines", Kind::Lines), ("slice", Kind::Slice), ("volume", Kind::Volume)];
+        let before = sink.n_errors();
         let kind = figure.opt_one_of("type", &kinds, Kind::Lines);
+        if sink.n_errors() > before {
+            // Which of its entries are wrong depends on the type.
+            figure.ignore_all();
+            continue;
+        }
         if kind == Kind::Lines {
             let lines = read_figure(root, look, &figure, &mut gaps)?;
             out.push((name.to_owned(), Figure::Lines(lines)));
             continue;
         }
-        let times = match look {
-            Look::AtForm => {
-                time_given(&figure);
-                Vec::new()
+        let spec = Field::read(kind, &figure);
+        let times = match time_given(&figure) {
+            Some(times) if look == Look::AtData && sink.n_errors() == before => {
+                times_of_fields(root, &times, &figure, &mut gaps)?
             }
-            Look::AtData => wanted_times(root, "<time>", &figure, &mut gaps)?,
+            _ => continue,
         };
         if grid.is_none() && !times.is_empty() {
             grid = Some(field::grid(root, sink)?);
         }
-        let scene = |time| grid.as_ref().map(|grid| field::Scene::new(root, time, grid));
-        let scenes: Vec<field::Scene<'_>> = times.iter().filter_map(|t| scene(t)).collect();
-        let drawn: Vec<Figure> = match kind {
-            Kind::Volume => solid::read(&figure, &scenes)?.into_iter().map(Figure::Solid).collect(),
-            _ => slice::read(&figure, &scenes)?.into_iter().map(Figure::Slice).collect(),
-        };
-        let several = times.len() > 1;
-        for (time, figure) in times.iter().zip(drawn) {
-            let name = if several { format!("{name}_{time}") } else { name.to_owned() };
-            out.push((name, figure));
+        for time in &times {
+            let Some(grid) = &grid else { break };
+            let Some(drawn) = spec.draw(&field::Scene::new(root, time, grid))? else { break };
+            let name = if times.len() > 1 { format!("{name}_{time}") } else { name.to_owned() };
+            out.push((name, drawn));
         }
     }
     gaps.warn(sink);
     r.finish(Severity::Error);
     Ok(out)
+}
+
+/// A figure of fields as the dictionary describes it.
+enum Field<'a> {
+    Slice(slice::SliceSpec<'a>),
+    Solid(solid::SolidSpec<'a>),
+}
+
+impl<'a> Field<'a> {
+    fn read(kind: Kind, r: &Reader<'a>) -> Field<'a> {
+        match kind {
+            Kind::Volume => Field::Solid(solid::SolidSpec::read(r)),
+            _ => Field::Slice(slice::SliceSpec::read(r)),
+        }
+    }
+
+    fn draw(&self, scene: &field::Scene<'_>) -> Result<Option<Figure>, CaseError> {
+        Ok(match self {
+            Field::Slice(s) => s.draw(scene)?.map(Figure::Slice),
+            Field::Solid(s) => s.draw(scene)?.map(Figure::Solid),
+        })
+    }
 }
 
 fn read_figure(
@@ -162,14 +187,7 @@ fn read_figure(
     let axis = |label: &str, scale: &str, range: &str| Axis {
         label: r.opt_string(label, "").to_owned(),
         scale: r.opt_one_of(scale, &scales, Scale::Linear),
-        range: r.maybe_scalars(range).and_then(|v| match v[..] {
-            [a, b] if a < b => Some((a, b)),
-            _ => {
-                let help = Some("write `(0 16)`");
-                r.error_at_key(range, "a range is two growing numbers", "not a range", help);
-                None
-            }
-        }),
+        range: shades::range(r, range),
     };
     let mut figure = LineFigure {
         title: r.opt_string("title", "").to_owned(),
@@ -225,14 +243,8 @@ fn read_curve(
         out
     });
     if look == Look::AtForm {
-        for (key, text) in [("x", x), ("y", y)] {
-            // A missing one was reported.
-            if !text.is_empty()
-                && let Err(e) = expression::check(text)
-            {
-                r.error_at_key(key, format!("`{key}`: {e}"), "cannot be evaluated", None);
-            }
-        }
+        field::check(r, "x", x);
+        field::check(r, "y", y);
         time_given(r);
         return Ok(Vec::new());
     }
@@ -287,42 +299,62 @@ fn wanted_times(
         r.ignore("time");
         return Ok(vec![String::new()]);
     };
-    let mut there = times_in(&root.join(folder))?;
-    there.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let names = |v: &[(f64, String)]| v.iter().map(|t| t.1.clone()).collect::<Vec<_>>();
-    let one = |t: Option<&(f64, String)>| t.map_or(Vec::new(), |t| vec![t.1.clone()]);
-    let found = match time_given(r) {
-        None => return Ok(Vec::new()),
-        Some(Times::Latest) => one(there.last()),
-        Some(Times::First) => one(there.first()),
-        Some(Times::All) => names(&there),
-        Some(Times::These(wanted)) => {
-            let near = |t: f64| {
-                let off = |x: &&(f64, String)| (x.0 - t).abs();
-                let best = there.iter().min_by(|a, b| off(a).total_cmp(&off(b)))?;
-                (off(&best) <= 1e-6 * t.abs().max(1e-300)).then(|| best.1.clone())
-            };
-            let found: Vec<Option<String>> = wanted.iter().map(|t| near(*t)).collect();
-            let lacking = wanted.iter().zip(&found).filter(|(_, f)| f.is_none());
-            let lacking: Vec<String> = lacking.map(|(t, _)| t.to_string()).collect();
-            if !lacking.is_empty() && !there.is_empty() {
-                gaps.note(folder, &lacking, &r.value_span("time"));
-            }
-            found.into_iter().flatten().collect()
-        }
-    };
+    let Some(times) = time_given(r) else { return Ok(Vec::new()) };
+    let there = times_in(&root.join(folder))?;
+    let (found, lacking) = times.among(&there);
     if there.is_empty() {
         gaps.note(&files::shown(&root.join(folder)), &[], &r.value_span("file"));
+    } else if !lacking.is_empty() {
+        gaps.note(folder, &lacking, &r.value_span("time"));
     }
     Ok(found)
 }
 
-/// What `time` of a curve asks for.
+/// Names of the time directories of the case that a figure of fields asks for.
+fn times_of_fields(
+    root: &Path,
+    times: &Times,
+    r: &Reader<'_>,
+    gaps: &mut Gaps,
+) -> Result<Vec<String>, CaseError> {
+    let there = times_in(root)?;
+    let (found, lacking) = times.among(&there);
+    if there.is_empty() || !lacking.is_empty() {
+        gaps.note_fields(&lacking, &r.value_span("time"));
+    }
+    Ok(found)
+}
+
+/// What `time` of a curve or of a figure asks for.
 enum Times {
     Latest,
     First,
     All,
     These(Vec<f64>),
+}
+
+impl Times {
+    /// The names of those that are there, given in order, and the ones that are not.
+    fn among(&self, there: &[(f64, String)]) -> (Vec<String>, Vec<String>) {
+        let one = |t: Option<&(f64, String)>| t.map_or(Vec::new(), |t| vec![t.1.clone()]);
+        match self {
+            Times::Latest => (one(there.last()), Vec::new()),
+            Times::First => (one(there.first()), Vec::new()),
+            Times::All => (there.iter().map(|t| t.1.clone()).collect(), Vec::new()),
+            Times::These(wanted) => {
+                let (mut found, mut lacking) = (Vec::new(), Vec::new());
+                for t in wanted {
+                    let off = |x: &&(f64, String)| (x.0 - t).abs();
+                    let best = there.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
+                    match best.filter(|b| off(b) <= 1e-6 * t.abs().max(1e-300)) {
+                        Some(best) => found.push(best.1.clone()),
+                        None => lacking.push(t.to_string()),
+                    }
+                }
+                (found, lacking)
+            }
+        }
+    }
 }
 
 /// Reads `time`; `None` when it is wrong, which is reported.
@@ -342,6 +374,7 @@ fn time_given(r: &Reader<'_>) -> Option<Times> {
     given
 }
 
+/// Times in a folder and the names of their folders, in order.
 fn times_in(folder: &Path) -> Result<Vec<(f64, String)>, StoreError> {
     let fail = |e| StoreError::new(Operation::Read, folder, e);
     let entries = match std::fs::read_dir(folder) {
@@ -356,6 +389,7 @@ fn times_in(folder: &Path) -> Result<Vec<(f64, String)>, StoreError> {
             out.push((t, name.to_owned()));
         }
     }
+    out.sort_by(|a, b| a.0.total_cmp(&b.0));
     Ok(out)
 }
 

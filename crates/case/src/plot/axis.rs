@@ -135,6 +135,26 @@ fn log_range(ends: Option<(f64, f64)>) -> (f64, f64) {
     (lo / margin, hi * margin)
 }
 
+/// Round values within a range, without its ends: as near to `n` of them as there are.
+pub fn round_levels((lo, hi): (f64, f64), n: usize) -> Vec<f64> {
+    if !(lo < hi && (hi - lo).is_finite()) {
+        return Vec::new();
+    }
+    let decade = 10f64.powf(((hi - lo) / (n as f64 + 1.0)).log10().floor());
+    let slack = 1e-9 * (hi - lo);
+    let ends =
+        |step: f64| (((lo + slack) / step).ceil() as i64, ((hi - slack) / step).floor() as i64);
+    let off = |step: f64| {
+        let (first, last) = ends(step);
+        (last - first + 1).abs_diff(n as i64)
+    };
+    let steps = [1.0, 2.0, 2.5, 5.0, 10.0].map(|m| m * decade);
+    // The first of equals: lines are better too many than too few.
+    let best = steps.into_iter().min_by_key(|s| off(*s)).unwrap_or(decade);
+    let (first, last) = ends(best);
+    (first..=last).map(|i| i as f64 * best).collect()
+}
+
 fn linear_ticks(lo: f64, hi: f64, labels: usize) -> (Vec<Tick>, i32) {
     let raw = (hi - lo) / labels.max(2) as f64;
     let decade = 10f64.powf(raw.log10().floor());
@@ -164,7 +184,7 @@ fn linear_ticks(lo: f64, hi: f64, labels: usize) -> (Vec<Tick>, i32) {
 }
 
 /// With a minus sign instead of a hyphen, and no negative zero.
-fn fixed(value: f64, decimals: usize) -> String {
+pub(super) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
         Some(rest) if rest.bytes().any(|b| b.is_ascii_digit() && b != b'0') => format!("−{rest}"),
@@ -233,6 +253,25 @@ mod tests {
         assert_eq!(labels(&r), ["−0.4", "−0.2", "0.0", "0.2", "0.4"]);
         let r = Ruler::new(&Axis::linear("").ranged(0.0, 2e-5), std::iter::empty(), 4);
         assert_eq!((labels(&r), r.factor), (vec!["0.0", "0.5", "1.0", "1.5", "2.0"], -5));
+    }
+
+    #[test]
+    fn levels_are_round_and_about_as_many_as_asked_for() {
+        let near = |found: Vec<f64>, wanted: &[f64]| {
+            assert_eq!(found.len(), wanted.len(), "{found:?}");
+            let apart = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-12;
+            assert!(found.iter().zip(wanted).all(apart), "{found:?}");
+        };
+        near(round_levels((0.0, 1.0), 4), &[0.2, 0.4, 0.6, 0.8]);
+        near(round_levels((-0.3, 2.31), 5), &[0.0, 0.5, 1.0, 1.5, 2.0]);
+        near(round_levels((0.0, 1.0), 3), &[0.25, 0.5, 0.75]);
+        for n in 1..60 {
+            let found = round_levels((0.013, 5.7), n).len() as f64;
+            assert!((0.5..=2.0).contains(&(found / n as f64)), "{n}: {found}");
+        }
+        assert!(
+            round_levels((1.0, 1.0), 5).is_empty() && round_levels((0.0, f64::NAN), 5).is_empty()
+        );
     }
 
     #[test]

@@ -104,11 +104,15 @@ struct Vertical {
 pub(super) struct Canvas {
     scene: Scene,
     vertical: Vec<Vertical>,
-    /// What lies under all lines and texts: pixels for PNG, a picture for SVG.
-    backdrop: Option<Raster>,
-    embedded: Option<String>,
-    /// Lines of any colour on the backdrop.
-    over: Vec<(Vec<Point>, Rgb, f64)>,
+    /// What is drawn on the pixels of a field, in order.
+    over: Vec<Over>,
+}
+
+/// Something between the pixels of a field and the other lines and texts.
+enum Over {
+    Line(Vec<Point>, Rgb, f64),
+    /// White: room for a text.
+    Blank(Box2),
 }
 
 impl Canvas {
@@ -116,28 +120,17 @@ impl Canvas {
         let mut scene = Scene::new(width, height);
         scene.font_family = Some("DejaVu Sans, Verdana, Arial, sans-serif".to_owned());
         scene.text_color = Some("#1a1a1a".to_owned());
-        Canvas { scene, vertical: Vec::new(), backdrop: None, embedded: None, over: Vec::new() }
+        Canvas { scene, vertical: Vec::new(), over: Vec::new() }
     }
 
-    /// Pixels of the whole page under all lines and texts, made at the scale of the picture.
-    pub(super) fn set_backdrop(&mut self, pixels: Raster) {
-        self.backdrop = Some(pixels);
-    }
-
-    /// The same for SVG: the picture goes into the file.
-    ///
-    /// # Errors
-    /// When the pixels cannot be encoded.
-    pub(super) fn embed(&mut self, pixels: Raster) -> Result<(), PlotError> {
-        let image = Image::from(pixels);
-        let scale = image.width as f64 / self.scene.width;
-        self.embedded = Some(base64(&image.encode(scale)?));
-        Ok(())
-    }
-
-    /// A line on the backdrop: light ones are seen, too.
+    /// A line on the pixels of a field: light ones are seen, too.
     pub(super) fn line_over(&mut self, points: Vec<Point>, colour: Rgb, width: f64) {
-        self.over.push((points, colour, width));
+        self.over.push(Over::Line(points, colour, width));
+    }
+
+    /// A white patch on the pixels of a field and the lines drawn on them so far.
+    pub(super) fn blank_over(&mut self, b: Box2) {
+        self.over.push(Over::Blank(b));
     }
 
     /// A horizontal text with its baseline at `at`.
@@ -251,7 +244,36 @@ impl Canvas {
         });
     }
 
-    pub(super) fn into_svg(mut self) -> String {
+    /// The page as SVG and as PNG with the pixels of a field under it, at their scale.
+    ///
+    /// # Errors
+    /// When the rasteriser fails.
+    pub(super) fn render(self, mut pixels: Raster) -> Result<(String, Vec<u8>), PlotError> {
+        let picture = Image::from(&pixels);
+        let scale = picture.width as f64 / self.scene.width;
+        pixels.release();
+        for over in &self.over {
+            match over {
+                Over::Line(points, colour, width) => pixels.stroke(points, *colour, *width),
+                Over::Blank(b) => pixels.blank(*b),
+            }
+        }
+        let png = self.png(Some(&Image::from(&pixels)), scale)?;
+        let data = base64(&picture.encode(scale)?);
+        let (w, h) = (self.scene.width, self.scene.height);
+        let svg = self.svg(&format!(
+            "  <image x=\"0\" y=\"0\" width=\"{w}\" height=\"{h}\" \
+             href=\"data:image/png;base64,{data}\" />\n"
+        ));
+        Ok((svg, png))
+    }
+
+    /// The page as SVG.
+    pub(super) fn into_svg(self) -> String {
+        self.svg("")
+    }
+
+    fn svg(mut self, picture: &str) -> String {
         for v in std::mem::take(&mut self.vertical) {
             let mut y = v.y + 0.5 * text::width(&v.runs, v.size);
             for run in &v.runs {
@@ -268,25 +290,30 @@ impl Canvas {
             &format!(" viewBox=\"0 0 {w} {h}\" width="),
             1,
         );
-        let mut under = String::new();
-        if let Some(data) = &self.embedded {
-            let _ = writeln!(
-                under,
-                "  <image x=\"0\" y=\"0\" width=\"{w}\" height=\"{h}\" \
-                 href=\"data:image/png;base64,{data}\" />"
-            );
-        }
-        for (points, colour, width) in &self.over {
-            let Rgb(r, g, b) = colour;
-            under.push_str("  <polyline points=\"");
-            for (x, y) in points {
-                let _ = write!(under, "{x:.2},{y:.2} ");
-            }
-            let _ = writeln!(
-                under,
-                "\" fill=\"none\" stroke=\"#{r:02x}{g:02x}{b:02x}\" stroke-width=\"{width}\" \
-                 stroke-linejoin=\"round\" />"
-            );
+        let mut under = picture.to_owned();
+        for over in &self.over {
+            // Writing to a string does not fail.
+            let _ = match over {
+                Over::Line(points, Rgb(r, g, b), width) => {
+                    let points: Vec<String> =
+                        points.iter().map(|(x, y)| format!("{x:.2},{y:.2}")).collect();
+                    writeln!(
+                        under,
+                        "  <polyline points=\"{}\" fill=\"none\" stroke=\"#{r:02x}{g:02x}{b:02x}\" \
+                         stroke-width=\"{width}\" stroke-linejoin=\"round\" />",
+                        points.join(" ")
+                    )
+                }
+                Over::Blank(b) => writeln!(
+                    under,
+                    "  <rect x=\"{:.2}\" y=\"{:.2}\" width=\"{:.2}\" height=\"{:.2}\" \
+                     fill=\"white\" stroke=\"none\" />",
+                    b.left,
+                    b.top,
+                    b.width(),
+                    b.height()
+                ),
+            };
         }
         // Behind the white sheet, which comes first.
         const SHEET: &str = "fill=\"white\" />\n";
@@ -297,13 +324,17 @@ impl Canvas {
     }
 
     /// Renders at `scale` pixels per unit of the page.
+    ///
+    /// # Errors
+    /// When the rasteriser fails.
     pub(super) fn into_png(self, scale: f64) -> Result<Vec<u8>, PlotError> {
+        self.png(None, scale)
+    }
+
+    fn png(&self, under: Option<&Image>, scale: f64) -> Result<Vec<u8>, PlotError> {
         let mut page = Image::of(&self.scene, scale)?;
-        if let Some(mut raster) = self.backdrop {
-            for (points, colour, width) in &self.over {
-                raster.stroke(points, *colour, *width);
-            }
-            page.multiply(&Image::from(raster));
+        if let Some(under) = under {
+            page.multiply(under);
         }
         for v in &self.vertical {
             let (length, height) = (text::width(&v.runs, v.size) + 8.0, 2.0 * v.size);

@@ -105,6 +105,21 @@ impl<'a> Bar<'a> {
         if luminance(self.colour(value)) > 0.18 { INK } else { Rgb(255, 255, 255) }
     }
 
+    /// A value as the labels of the bar write it, with four digits at most.
+    pub(super) fn number(&self, value: f64) -> Vec<text::Run> {
+        let v = value / 10f64.powi(self.ruler.factor);
+        let size = self.shades.range.0.abs().max(self.shades.range.1.abs())
+            / 10f64.powi(self.ruler.factor);
+        let decimals = (3.0 - size.log10().floor()).clamp(0.0, 12.0) as usize;
+        let text = super::axis::fixed(v, decimals);
+        let short = if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.')
+        } else {
+            &text
+        };
+        text::parse(short)
+    }
+
     /// Width of the bar with its labels.
     pub(super) fn width(&self) -> f64 {
         let label = if self.shades.label.is_empty() { 0.0 } else { 1.6 * LABEL_SIZE };

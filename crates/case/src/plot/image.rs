@@ -79,9 +79,9 @@ impl Image {
     }
 }
 
-impl From<Raster> for Image {
-    fn from(raster: Raster) -> Image {
-        let (width, height, rgb) = raster.into_pixels();
+impl From<&Raster> for Image {
+    fn from(raster: &Raster) -> Image {
+        let (width, height, rgb) = raster.pixels();
         Image { width, height, rgb }
     }
 }

@@ -4,13 +4,15 @@
 //! logarithmic axes, sub- and superscripts, a legend that keeps off the data, colours that people
 //! with colour vision deficiencies can tell apart (Okabe and Ito 2008), markers that survive
 //! black-and-white printing. [`SliceFigure`] draws a field over a plane, [`SolidFigure`] surfaces in
-//! space; their colours are pixels of our own under the same axes and texts. The same layout gives SVG and PNG, without any font of the system.
+//! space; their colours are pixels of our own under the same axes and texts. The same layout gives SVG
+//! and PNG, without any font of the system.
 
 mod axis;
 mod canvas;
 mod colour;
 mod frame;
 mod image;
+mod labels;
 mod legend;
 mod line;
 mod raster;
@@ -18,7 +20,7 @@ mod slice;
 mod solid;
 mod text;
 
-pub use axis::{Axis, Scale};
+pub use axis::{Axis, Scale, round_levels};
 pub use colour::ColourMap;
 pub use frame::Shades;
 pub use line::{Legend, LineFigure, Series, Style};

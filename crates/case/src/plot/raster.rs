@@ -4,6 +4,8 @@
 use super::Rgb;
 use super::canvas::{Box2, Point};
 
+/// Pixels per unit of the page in figures of fields.
+pub(super) const PIXELS: f64 = 2.0;
 /// Samples a pixel has along each direction.
 const FINE: usize = 2;
 
@@ -41,6 +43,14 @@ impl Raster {
             Box2 { left: f(to.left), top: f(to.top), right: f(to.right), bottom: f(to.bottom) };
     }
 
+    /// Allows drawing everywhere again.
+    pub(super) fn release(&mut self) {
+        self.window.left = 0.0;
+        self.window.top = 0.0;
+        self.window.right = self.width as f64;
+        self.window.bottom = self.height as f64;
+    }
+
     /// Columns and rows of samples that a box of samples covers.
     fn covered(&self, b: Box2) -> (std::ops::Range<usize>, std::ops::Range<usize>) {
         let w = &self.window;
@@ -67,7 +77,8 @@ impl Raster {
         if c.iter().flatten().any(|v| !v.is_finite()) {
             return;
         }
-        let area = edge(c[0], c[1], c[2][0], c[2][1]).0;
+        let sides = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| Side::new(c[i], c[j]));
+        let area = sides[2].over(sides[2].row(c[2][1]), c[2][0]);
         if area == 0.0 {
             return;
         }
@@ -76,20 +87,25 @@ impl Raster {
             (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]))
         };
         let ((left, right), (top, bottom)) = (ends(0), ends(1));
-        let (columns, rows) = self.covered(Box2 { left, top, right, bottom });
+        let (_, rows) = self.covered(Box2 { left, top, right, bottom });
         for row in rows {
             let y = row as f64 + 0.5;
-            for column in columns.clone() {
+            let (left, right) = sides.iter().fold((right, left), |e, s| s.widen(e, y));
+            // Rounding may take a sample from either end, so one more of each is looked at.
+            let (left, right) = (left - 1.0, right + 1.0);
+            let (columns, _) = self.covered(Box2 { left, top, right, bottom });
+            let rows_of = [0, 1, 2].map(|k| sides[k].row(y));
+            for column in columns {
                 let x = column as f64 + 0.5;
-                let [a, b, d] = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| edge(c[i], c[j], x, y));
-                let inside = |(v, tie): (f64, bool)| {
-                    let v = v * area.signum();
-                    v > 0.0 || (v == 0.0 && tie == (area > 0.0))
+                let over = [0, 1, 2].map(|k| sides[k].over(rows_of[k], x));
+                let inside = |k: usize| {
+                    let v = over[k] * area.signum();
+                    v > 0.0 || (v == 0.0 && sides[k].forward == (area > 0.0))
                 };
-                if !(inside(a) && inside(b) && inside(d)) {
+                if !(inside(0) && inside(1) && inside(2)) {
                     continue;
                 }
-                let share = [a.0 / area, b.0 / area, d.0 / area];
+                let share = [over[0] / area, over[1] / area, over[2] / area];
                 let depth = (0..3).map(|k| share[k] * c[k][2]).sum::<f64>() as f32;
                 let at = row * self.width + column;
                 if depth > self.depth[at] {
@@ -143,8 +159,19 @@ impl Raster {
         }
     }
 
+    /// A white rectangle over everything.
+    pub(super) fn blank(&mut self, b: Box2) {
+        let f = |v: f64| v * self.fine;
+        let b = Box2 { left: f(b.left), top: f(b.top), right: f(b.right), bottom: f(b.bottom) };
+        let (columns, rows) = self.covered(b);
+        for row in rows {
+            let first = row * self.width;
+            self.rgb[first + columns.start..first + columns.end.max(columns.start)].fill([255; 3]);
+        }
+    }
+
     /// Width, height and the pixels, row by row.
-    pub(super) fn into_pixels(self) -> (usize, usize, Vec<u8>) {
+    pub(super) fn pixels(&self) -> (usize, usize, Vec<u8>) {
         let (w, h) = (self.width / FINE, self.height / FINE);
         let mut out = Vec::with_capacity(3 * w * h);
         for row in 0..h {
@@ -167,13 +194,43 @@ impl Raster {
     }
 }
 
-/// Twice the area of the triangle `a`, `b`, (x, y), and who owns a point on the line `a` to `b`.
-/// The same to the bit, but for the sign, whichever way the edge is gone.
-fn edge(a: Deep, b: Deep, x: f64, y: f64) -> (f64, bool) {
-    let forward = (a[0], a[1]) <= (b[0], b[1]);
-    let (p, q) = if forward { (a, b) } else { (b, a) };
-    let area = (q[0] - p[0]) * (y - p[1]) - (q[1] - p[1]) * (x - p[0]);
-    (if forward { area } else { -area }, forward)
+/// A side of a triangle. What it says of a point is the same to the bit, but for the sign,
+/// whichever way the side is gone.
+struct Side {
+    /// The first of its ends in a fixed order, and from there to the other one.
+    from: [f64; 2],
+    step: [f64; 2],
+    /// Whether it is gone in that order. It decides who owns a point on it.
+    forward: bool,
+}
+
+impl Side {
+    fn new(a: Deep, b: Deep) -> Side {
+        let forward = (a[0], a[1]) <= (b[0], b[1]);
+        let (p, q) = if forward { (a, b) } else { (b, a) };
+        Side { from: [p[0], p[1]], step: [q[0] - p[0], q[1] - p[1]], forward }
+    }
+
+    /// What all points of a row have in common.
+    fn row(&self, y: f64) -> f64 {
+        self.step[0] * (y - self.from[1])
+    }
+
+    /// Twice the area of the triangle with a point of a row.
+    fn over(&self, row: f64, x: f64) -> f64 {
+        let area = row - self.step[1] * (x - self.from[0]);
+        if self.forward { area } else { -area }
+    }
+
+    /// An interval that holds the place where the side crosses a row, too.
+    fn widen(&self, (left, right): (f64, f64), y: f64) -> (f64, f64) {
+        let t = (y - self.from[1]) / self.step[1];
+        if !(0.0..=1.0).contains(&t) {
+            return (left, right);
+        }
+        let x = self.from[0] + t * self.step[0];
+        (left.min(x), right.max(x))
+    }
 }
 
 fn blend(under: &mut [u8; 3], colour: Rgb, opacity: f64) {
@@ -202,7 +259,7 @@ mod tests {
         r.triangle(corners(1.0), 1.0, |_| RED);
         r.triangle(corners(2.0), 1.0, |_| BLUE);
         r.triangle([[0.0, 0.0, 0.0], [6.0, 0.0, 0.0], [0.0, 6.0, 0.0]], 0.5, |_| BLUE);
-        let picture = r.into_pixels();
+        let picture = r.pixels();
         assert_eq!(pixel(&picture, 8, 3), [200, 0, 0]);
         assert_eq!(pixel(&picture, 1, 1), [100, 0, 100]);
         assert_eq!(pixel(&picture, 18, 18), [255; 3]);
@@ -216,7 +273,7 @@ mod tests {
         for pair in [[[a, b, c], [a, c, d]], [[b, a, c], [d, c, a]], [[a, b, d], [b, c, d]]] {
             let mut r = Raster::new((20.0, 20.0), 1.0);
             pair.into_iter().for_each(|t| r.triangle(t, 0.5, |_| Rgb(0, 0, 0)));
-            let picture = r.into_pixels();
+            let picture = r.pixels();
             for i in 2..15 {
                 for j in 2..15 {
                     assert_eq!(pixel(&picture, i, j), [128; 3], "{i} {j} {pair:?}");
@@ -230,7 +287,7 @@ mod tests {
         let mut r = Raster::new((20.0, 20.0), 2.0);
         r.triangle([[10.0, 0.0, 1.0], [30.0, 0.0, 1.0], [10.0, 30.0, 1.0]], 1.0, |_| RED);
         r.segment([0.0, 10.0, 2.0], [20.0, 10.0, 2.0], Rgb::BLACK, 2.0, 0.1);
-        let picture = r.into_pixels();
+        let picture = r.pixels();
         let column: Vec<u8> = (0..40).map(|y| pixel(&picture, 8, y)[0]).collect();
         let ink: f64 = column.iter().map(|v| (255.0 - f64::from(*v)) / 255.0).sum();
         assert!((ink - 4.0).abs() < 0.1, "{ink}");

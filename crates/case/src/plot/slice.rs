@@ -3,8 +3,8 @@
 use super::axis::{Axis, Ruler};
 use super::canvas::{Anchor, Box2, Canvas, Point};
 use super::frame::{self, Bar, GAP, INK, LABEL_SIZE, Shades, TICK_SIZE, TITLE_SIZE};
-use super::raster::Raster;
-use super::{PlotError, Rgb, text};
+use super::raster::{PIXELS, Raster};
+use super::{PlotError, labels, text};
 
 /// Arrows of a vector field.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -42,32 +42,23 @@ pub struct SliceFigure {
 const MOST: (f64, f64) = (560.0, 520.0);
 /// Least height of a colour bar.
 const LEAST_BAR: f64 = 150.0;
+/// Size of the numbers on contour lines.
+const CONTOUR_SIZE: f64 = 13.0;
 
 impl SliceFigure {
-    /// The figure as SVG: lines and text as such, colours as a picture in it.
-    ///
-    /// # Errors
-    /// When the picture cannot be encoded.
-    pub fn to_svg(&self) -> Result<String, PlotError> {
-        let (mut canvas, raster) = self.draw(2.0);
-        canvas.embed(raster)?;
-        Ok(canvas.into_svg())
-    }
-
-    /// The figure as PNG at two pixels per unit.
+    /// The figure as SVG (lines and text as such, colours as a picture in it) and as PNG.
     ///
     /// # Errors
     /// When the rasteriser fails.
-    pub fn to_png(&self) -> Result<Vec<u8>, PlotError> {
-        let (mut canvas, raster) = self.draw(2.0);
-        canvas.set_backdrop(raster);
-        canvas.into_png(2.0)
+    pub fn render(&self) -> Result<(String, Vec<u8>), PlotError> {
+        let (canvas, pixels) = self.draw();
+        canvas.render(pixels)
     }
 
-    fn draw(&self, scale: f64) -> (Canvas, Raster) {
+    fn draw(&self) -> (Canvas, Raster) {
         let layout = Layout::new(self);
         let mut canvas = Canvas::new(layout.page.0, layout.page.1);
-        let mut raster = Raster::new(layout.page, scale);
+        let mut raster = Raster::new(layout.page, PIXELS);
         layout.draw_field(&mut raster, self);
         layout.draw_lines(&mut canvas, self);
         let levels: Vec<f64> = self.contours.iter().map(|c| c.0).collect();
@@ -104,7 +95,7 @@ impl<'a> Layout<'a> {
         let width = aspect * height;
         let ranged = |e: (f64, f64)| Axis::linear("").ranged(e.0, e.1);
         let labels = |room: f64, each: f64| (room / each) as usize;
-        let x = Ruler::new(&ranged(x), std::iter::empty(), labels(width, 75.0));
+        let x = Ruler::new(&ranged(x), std::iter::empty(), labels(width, 60.0));
         let y = Ruler::new(&ranged(y), std::iter::empty(), labels(height, 55.0));
         let bar_height = height.max(LEAST_BAR);
         let bar = Bar::new(&figure.shades, bar_height);
@@ -150,33 +141,40 @@ impl<'a> Layout<'a> {
         }
     }
 
-    fn line(&self, canvas: &mut Canvas, points: &[(f64, f64)], colour: Rgb, width: f64) {
-        let mut piece: Vec<Point> = Vec::new();
+    /// The pieces of a line within the frame, on the page.
+    fn visible(&self, points: &[(f64, f64)]) -> Vec<Vec<Point>> {
+        let mut out: Vec<Vec<Point>> = Vec::new();
         for w in points.windows(2) {
-            let clipped = self.frame.clip(self.at(w[0]), self.at(w[1]));
-            if let Some((a, _)) = clipped
-                && piece.last() != Some(&a)
-            {
-                if piece.len() > 1 {
-                    canvas.line_over(std::mem::take(&mut piece), colour, width);
-                }
-                piece = vec![a];
-            }
-            if let Some((_, b)) = clipped {
-                piece.push(b);
+            let Some((a, b)) = self.frame.clip(self.at(w[0]), self.at(w[1])) else { continue };
+            match out.last_mut() {
+                Some(piece) if piece.last() == Some(&a) => piece.push(b),
+                _ => out.push(vec![a, b]),
             }
         }
-        if piece.len() > 1 {
-            canvas.line_over(piece, colour, width);
-        }
+        out
     }
 
     fn draw_lines(&self, canvas: &mut Canvas, figure: &SliceFigure) {
+        let mut labels: Vec<(Box2, Vec<text::Run>)> = Vec::new();
+        let mut taken = Vec::new();
         for (level, pieces) in &figure.contours {
+            let lines: Vec<Vec<Point>> = pieces.iter().flat_map(|p| self.visible(p)).collect();
+            let label = self.bar.number(*level);
+            let size = (text::width(&label, CONTOUR_SIZE) + 6.0, 1.15 * CONTOUR_SIZE);
+            if let Some(b) = labels::room(&lines, size, &self.frame, &taken) {
+                taken.push(b);
+                labels.push((b, label));
+            }
             let ink = self.bar.ink_on(*level);
-            pieces.iter().for_each(|p| self.line(canvas, p, ink, 1.3));
+            lines.into_iter().for_each(|line| canvas.line_over(line, ink, 1.3));
         }
-        figure.lines.iter().for_each(|p| self.line(canvas, p, INK, 2.4));
+        for (b, label) in labels {
+            canvas.blank_over(b);
+            let at = (0.5 * (b.left + b.right), b.bottom - 0.25 * CONTOUR_SIZE);
+            canvas.text(at, &label, CONTOUR_SIZE, Anchor::Middle);
+        }
+        let heavy = figure.lines.iter().flat_map(|p| self.visible(p));
+        heavy.for_each(|line| canvas.line_over(line, INK, 2.4));
         if let Some(arrows) = &figure.arrows {
             self.draw_arrows(canvas, arrows);
         }

@@ -3,9 +3,9 @@
 use super::canvas::{Anchor, Box2, Canvas};
 use super::colour::shaded;
 use super::frame::{Bar, GAP, INK, LABEL_SIZE, Shades, TITLE_SIZE};
-use super::raster::{Deep, Raster};
+use super::raster::{Deep, PIXELS, Raster};
 use super::{PlotError, Rgb, text};
-use granflow_base::{Vec3, add, cross, dot, norm, scale, sub, unit};
+use granflow_base::{Vec3, add, cross, dot, scale, sub, unit};
 
 /// What a surface is coloured by.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,27 +53,16 @@ const MOST: (f64, f64) = (600.0, 470.0);
 const TRIAD: f64 = 44.0;
 
 impl SolidFigure {
-    /// The figure as SVG: texts as such, surfaces as a picture in it.
-    ///
-    /// # Errors
-    /// When the picture cannot be encoded.
-    pub fn to_svg(&self) -> Result<String, PlotError> {
-        let (mut canvas, raster) = self.draw(2.0);
-        canvas.embed(raster)?;
-        Ok(canvas.into_svg())
-    }
-
-    /// The figure as PNG at two pixels per unit.
+    /// The figure as SVG (texts as such, surfaces as a picture in it) and as PNG.
     ///
     /// # Errors
     /// When the rasteriser fails.
-    pub fn to_png(&self) -> Result<Vec<u8>, PlotError> {
-        let (mut canvas, raster) = self.draw(2.0);
-        canvas.set_backdrop(raster);
-        canvas.into_png(2.0)
+    pub fn render(&self) -> Result<(String, Vec<u8>), PlotError> {
+        let (canvas, pixels) = self.draw();
+        canvas.render(pixels)
     }
 
-    fn draw(&self, pixels: f64) -> (Canvas, Raster) {
+    fn draw(&self) -> (Canvas, Raster) {
         let camera = Camera::new(self);
         let title = if self.title.is_empty() { 0.0 } else { 1.6 * TITLE_SIZE };
         let bar = self.shades.as_ref().map(|s| Bar::new(s, 0.6 * MOST.1));
@@ -89,7 +78,7 @@ impl SolidFigure {
         let page = (frame.right + GAP + beside + 16.0, frame.bottom + triad + 16.0);
         let page = (page.0.ceil(), page.1.ceil());
         let mut canvas = Canvas::new(page.0, page.1);
-        let mut raster = Raster::new(page, pixels);
+        let mut raster = Raster::new(page, PIXELS);
 
         let middle = (0.5 * (frame.left + frame.right), 0.5 * (frame.top + frame.bottom));
         let place = |p: Vec3| camera.place(p, middle);
@@ -219,7 +208,7 @@ impl Camera {
         let towards = if dot(n, self.eye) < 0.0 { -1.0 } else { 1.0 };
         let direct = (towards * dot(n, self.lamp)).max(0.0);
         match paint {
-            Paint::Plain(_) => 0.5 + 0.5 * direct,
+            Paint::Plain(_) => 0.6 + 0.4 * direct,
             // Colours that are read must stay what they are.
             Paint::Values => 0.75 + 0.25 * direct,
         }
@@ -245,10 +234,4 @@ fn draw_triad(canvas: &mut Canvas, camera: &Camera, foot: (f64, f64), names: &[S
         let at = (tip.0 + 12.0 * eu, tip.1 + 12.0 * ev + 0.34 * LABEL_SIZE);
         canvas.text(at, &text::parse(name), LABEL_SIZE, Anchor::Middle);
     }
-}
-
-/// The normal of a triangle, of its area's length.
-pub(crate) fn normal_of(a: Vec3, b: Vec3, c: Vec3) -> Option<Vec3> {
-    let n = cross(sub(b, a), sub(c, a));
-    (norm(n) > 0.0).then_some(n)
 }

@@ -5,6 +5,7 @@ mod chain;
 mod nodes;
 mod plane;
 mod surface;
+mod twins;
 
 pub(crate) use chain::{chain, level_segments};
 pub(crate) use nodes::{Grid, Samples};

@@ -1,7 +1,9 @@
 //! From values in cells and on boundary faces to values at the points of the mesh.
 
-use granflow_base::{Vec3, norm, sub};
-use granflow_mesh::{Geometry, PatchKind, PolyMesh};
+use super::twins::twins;
+use granflow_base::{Vec3, add, norm, sub};
+use granflow_mesh::{Geometry, PolyMesh};
+use std::collections::BTreeMap;
 
 /// A mesh with what figures need of it.
 pub(crate) struct Grid {
@@ -11,8 +13,8 @@ pub(crate) struct Grid {
     pub(crate) cell_faces: (Vec<u32>, Vec<u32>),
     /// Samples around every point: starts and samples.
     around: (Vec<u32>, Vec<u32>),
-    /// Whether a point lies on the boundary.
-    rim: Vec<bool>,
+    /// Points of cyclic pairs: their images and how far those are moved to lie here.
+    twins: BTreeMap<u32, Vec<(u32, Vec3)>>,
     /// Greatest extent, m.
     pub(crate) size: f64,
 }
@@ -23,6 +25,8 @@ pub(crate) struct Samples {
     pub(crate) values: Vec<f64>,
     /// Whether the value of a boundary face is known; always so in cells.
     pub(crate) known: Vec<bool>,
+    /// Whether the field goes on across cyclic pairs; coordinates do not.
+    pub(crate) periodic: bool,
 }
 
 impl Grid {
@@ -30,16 +34,12 @@ impl Grid {
         let geometry = Geometry::new(&poly);
         let (n, inner) = (poly.n_cells(), poly.n_inner());
         let mut pairs: Vec<(u32, u32)> = Vec::new();
-        let mut rim = vec![false; poly.points.len()];
         for f in 0..poly.n_faces() {
             for p in poly.face(f) {
                 pairs.push((*p, poly.owner[f]));
                 match poly.neighbour.get(f) {
                     Some(cell) => pairs.push((*p, *cell)),
-                    None => {
-                        rim[*p as usize] = true;
-                        pairs.push((*p, (n + f - inner) as u32));
-                    }
+                    None => pairs.push((*p, (n + f - inner) as u32)),
                 }
             }
         }
@@ -57,7 +57,8 @@ impl Grid {
         };
         let size = span(0).max(span(1)).max(span(2));
         let cell_faces = poly.cell_faces();
-        Grid { poly, geometry, cell_faces, around, rim, size }
+        let twins = twins(&poly, &geometry, size);
+        Grid { poly, geometry, cell_faces, around, twins, size }
     }
 
     /// Where sample `s` is.
@@ -75,36 +76,41 @@ impl Grid {
         self.poly.n_cells() + self.poly.n_faces() - self.poly.n_inner()
     }
 
-    /// The kind of patch a boundary face belongs to, for all of them.
-    pub(crate) fn kinds(&self) -> Vec<&PatchKind> {
-        self.poly.patches.iter().flat_map(|p| std::iter::repeat_n(&p.kind, p.len)).collect()
-    }
-
     /// Values at the points: a linear function through the samples around each, by least
-    /// squares with the inverse square of distances for weights. Exact for linear fields, also in
-    /// a mesh one cell thick, across which nothing is known.
+    /// squares with the inverse square of distances for weights, kept within their range. Exact
+    /// for linear fields inside and, where boundary values are known, on the boundary but for
+    /// edges of the mesh; across a mesh one cell thick nothing is known and nothing changes.
     pub(crate) fn at_points(&self, field: &Samples) -> Vec<f64> {
         let (start, samples) = &self.around;
         let n = self.poly.n_cells();
         let known = |s: &&u32| (**s as usize) < n || field.known[**s as usize];
+        let mut near: Vec<(Vec3, f64)> = Vec::new();
         (0..self.poly.points.len())
             .map(|p| {
-                let own = &samples[start[p] as usize..start[p + 1] as usize];
                 let at = self.poly.points[p];
-                let near: Vec<(Vec3, f64)> = own
-                    .iter()
-                    .filter(known)
-                    .map(|s| (sub(self.place(*s as usize), at), field.values[*s as usize]))
-                    .collect();
-                fit(&near, self.rim[p])
+                let mut gather = |q: usize, shift: Vec3| {
+                    let own = &samples[start[q] as usize..start[q + 1] as usize];
+                    near.extend(own.iter().filter(known).map(|s| {
+                        let s = *s as usize;
+                        (sub(add(self.place(s), shift), at), field.values[s])
+                    }));
+                };
+                gather(p, [0.0; 3]);
+                if field.periodic {
+                    let images = self.twins.get(&(p as u32)).into_iter().flatten();
+                    images.for_each(|(q, shift)| gather(*q as usize, *shift));
+                }
+                let value = fit(&near);
+                near.clear();
+                value
             })
             .collect()
     }
 }
 
-/// The value at the origin of the plane through samples. It stays within their range, on the
-/// `rim` of the mesh within twice their range: beside a jump a plane goes too far.
-fn fit(near: &[(Vec3, f64)], rim: bool) -> f64 {
+/// The value at the origin of the plane through samples. It stays within their range: beside a
+/// jump a plane goes too far.
+fn fit(near: &[(Vec3, f64)]) -> f64 {
     let far = near.iter().map(|s| norm(s.0)).fold(0.0, f64::max);
     let (lo, hi) =
         near.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |e, s| (e.0.min(s.1), e.1.max(s.1)));
@@ -135,8 +141,7 @@ fn fit(near: &[(Vec3, f64)], rim: bool) -> f64 {
         }
     }
     let v = if a[0][0] > 0.0 { lo + a[0][4] / a[0][0] } else { 0.5 * (lo + hi) };
-    let room = if rim { 0.5 * (hi - lo) } else { 0.0 };
-    if v.is_finite() { v.clamp(lo - room, hi + room) } else { 0.5 * (lo + hi) }
+    if v.is_finite() { v.clamp(lo, hi) } else { 0.5 * (lo + hi) }
 }
 
 #[cfg(test)]
@@ -144,32 +149,81 @@ mod tests {
     use super::*;
     use granflow_mesh::shapes;
 
+    /// A field in cells and, where `known`, on boundary faces.
+    fn sampled(grid: &Grid, f: impl Fn(Vec3) -> f64, known: bool) -> Samples {
+        let n = grid.n_samples();
+        let values = (0..n).map(|s| f(grid.place(s))).collect();
+        let known = (0..n).map(|s| known || s < grid.poly.n_cells()).collect();
+        Samples { values, known, periodic: true }
+    }
+
     #[test]
     fn linear_fields_are_exact_on_any_mesh() {
-        for n in [[4, 5, 3], [4, 5, 1]] {
-            let grid = Grid::new(shapes::displaced(&shapes::unit_box(n), 0.2, 7));
+        let prisms = shapes::prism_box(
+            [4, 4, 4],
+            [0.0; 3],
+            [1.0; 3],
+            shapes::all(granflow_mesh::PatchKind::Wall),
+        );
+        let thin = shapes::unit_box([4, 5, 1]);
+        for (poly, known) in [
+            (shapes::displaced(&shapes::unit_box([4, 5, 3]), 0.2, 7), true),
+            (shapes::displaced(&thin, 0.2, 7), false),
+            (prisms, true),
+        ] {
+            let grid = Grid::new(poly);
             // Across one cell nothing is known.
-            let f = |p: Vec3| 1.0 + 2.0 * p[0] - 3.0 * p[1] + if n[2] > 1 { p[2] } else { 0.0 };
-            let values = (0..grid.n_samples()).map(|s| f(grid.place(s))).collect();
-            let known = (0..grid.n_samples()).map(|s| s < grid.poly.n_cells()).collect();
-            let at = grid.at_points(&Samples { values, known });
-            for (p, v) in grid.poly.points.iter().zip(at).filter(|(p, _)| {
-                // At the rim the range holds them; see `fit`.
-                p[0] > 0.0 && p[0] < 1.0 && p[1] > 0.0 && p[1] < 1.0
-            }) {
+            let f = |p: Vec3| 1.0 + 2.0 * p[0] - 3.0 * p[1] + if known { p[2] } else { 0.0 };
+            let at = grid.at_points(&sampled(&grid, f, known));
+            let mut seen = 0;
+            for (p, v) in grid.poly.points.iter().zip(at) {
+                let ends = p.iter().take(if known { 3 } else { 2 });
+                let on = ends.filter(|x| **x < 1e-9 || **x > 1.0 - 1e-9).count();
+                // Edges of the mesh lie beyond all samples, as its faces do where none is known.
+                if on > usize::from(known) {
+                    continue;
+                }
+                seen += 1;
                 assert!((v - f(*p)).abs() < 1e-6, "{p:?}: {v} {}", f(*p));
             }
+            assert!(seen >= 24, "{seen}");
+        }
+    }
+
+    #[test]
+    fn cyclic_pairs_are_joined() {
+        let grid = Grid::new(shapes::periodic_box([8, 3, 3], [true, false, false]));
+        let wave = |p: Vec3| (std::f64::consts::TAU * p[0]).sin() + p[1];
+        let at = grid.at_points(&sampled(&grid, wave, false));
+        let ends: Vec<(Vec3, f64)> = grid
+            .poly
+            .points
+            .iter()
+            .zip(&at)
+            .filter(|(p, _)| p[0] < 1e-9 || p[0] > 1.0 - 1e-9)
+            .map(|(p, v)| (*p, *v))
+            .collect();
+        assert_eq!(ends.len(), 32);
+        for (p, v) in &ends {
+            let twin = ends.iter().find(|(q, _)| q[0] != p[0] && q[1..] == p[1..]).unwrap();
+            assert_eq!(*v, twin.1, "{p:?}");
+            // The wave goes through zero here; one side alone would leave sin(pi/8).
+            if p[1] > 0.1 && p[1] < 0.9 {
+                assert!((v - p[1]).abs() < 1e-9, "{p:?} {v}");
+            }
+        }
+        // A coordinate starts anew at the other end.
+        let x = Samples { periodic: false, ..sampled(&grid, |p| p[0], true) };
+        for (p, v) in grid.poly.points.iter().zip(grid.at_points(&x)) {
+            assert!((v - p[0]).abs() < 1e-9 + 0.5 / 8.0, "{p:?} {v}");
         }
     }
 
     #[test]
     fn a_jump_makes_no_value_beyond_it() {
         let grid = Grid::new(shapes::unit_box([6, 6, 6]));
-        let cell = |s: usize| f64::from(u8::from(grid.place(s)[2] < 0.5));
-        let n = grid.n_samples();
-        let at =
-            grid.at_points(&Samples { values: (0..n).map(cell).collect(), known: vec![true; n] });
-        assert!(at.iter().all(|v| (-0.5..=1.5).contains(v)));
+        let at = grid.at_points(&sampled(&grid, |p| f64::from(u8::from(p[2] < 0.5)), true));
+        assert!(at.iter().all(|v| (0.0..=1.0).contains(v)));
         let middle = |p: &Vec3| {
             (p[2] - 0.5).abs() < 1e-9 && p[0] > 0.01 && p[0] < 0.99 && p[1] > 0.01 && p[1] < 0.99
         };
