@@ -142,6 +142,11 @@ bad! {
 bad! {
     plot_unknown_entry: cavity().write(PLOT, "figures { u { xlabel x; curves ({ file \"postProcessing/a.xy\"; x x; y y; }); } }");
     plot_bad_expression: cavity().write(PLOT, "figures { u { curves ({ file \"postProcessing/a.xy\"; x \"(x\"; y \"tan(y)\"; time lastest; }); } }");
+    plot_unknown_type: cavity().write(PLOT, "figures { u { type slise; field U_x; } }");
+    plot_slice: cavity().write(PLOT, "figures { u {\n    type slice; field \"tan(p)\"; time never;\n    plane { point (0 0); normal (0 0 0); }\n    where { p (1 0); T 5; } lines { p; } contours many; shading flat;\n    map rainbow; range (1 1); scale -1; arrows { spacing 0; color red; }\n} }");
+    plot_slice_without_plane: cavity().write(PLOT, "figures { u { type slice; where { p (0 1); T (0 1); U_x (0 1); } lines { p 0.5; U_y 0; } } }");
+    plot_volume: cavity().write(PLOT, "figures { u {\n    type volume; stretch (1 0 1); hide (lid;\n    view { azimuth east; elevation 100; up w; }\n    phases ( { colour mauve; opacity 0; } { where { p (0 1); } lable a; } );\n} }");
+    plot_volume_without_colour: cavity().write(PLOT, "figures { u { type volume; phases ( { colour red; } { opacity 0.5; } ); time 0.1; titel a; } }");
     plot_without_file: cavity().write(PLOT, "figures { u { curves ({ x x; y y; }); } }");
 }
 

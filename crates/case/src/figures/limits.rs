@@ -37,6 +37,26 @@ impl<'a> Limits<'a> {
         self.ranges.len()
     }
 
+    /// Values at the points of the mesh of a field that is shown within the ranges only: where a
+    /// point has samples within, those beyond (of another phase) do not count. `None` after a
+    /// mistake, which is reported at `key`.
+    pub(super) fn at_points(
+        &self,
+        scene: &Scene<'_>,
+        r: &Reader<'_>,
+        key: &str,
+        text: &str,
+    ) -> Result<Option<Vec<f64>>, CaseError> {
+        let Some(mut samples) = scene.samples(r, key, text)? else { return Ok(None) };
+        for (field, (lo, hi)) in &self.ranges {
+            let Some(reader) = &self.reader else { break };
+            let Some(by) = scene.samples(reader, field, field)? else { return Ok(None) };
+            let within = by.values.iter().map(|v| (*lo..=*hi).contains(v));
+            samples.known.iter_mut().zip(within).for_each(|(known, within)| *known &= within);
+        }
+        Ok(Some(scene.grid.at_points(&samples)))
+    }
+
     /// Values of their fields at the points of the mesh, for the slots from `first` on.
     pub(super) fn slots(
         &self,

@@ -145,9 +145,13 @@ fn read(root: &Path, look: Look, sink: &Sink) -> Result<Vec<(String, Figure)>, C
         }
         for time in &times {
             let Some(grid) = &grid else { break };
-            let Some(drawn) = spec.draw(&field::Scene::new(root, time, grid))? else { break };
+            let drawn = spec.draw(&field::Scene::new(root, time, grid))?;
+            if sink.n_errors() > before {
+                // It would be said again of every time.
+                break;
+            }
             let name = if times.len() > 1 { format!("{name}_{time}") } else { name.to_owned() };
-            out.push((name, drawn));
+            out.extend(drawn.map(|figure| (name, figure)));
         }
     }
     gaps.warn(sink);
@@ -172,7 +176,7 @@ impl<'a> Field<'a> {
     fn draw(&self, scene: &field::Scene<'_>) -> Result<Option<Figure>, CaseError> {
         Ok(match self {
             Field::Slice(s) => s.draw(scene)?.map(Figure::Slice),
-            Field::Solid(s) => s.draw(scene)?.map(Figure::Solid),
+            Field::Solid(s) => Some(Figure::Solid(s.draw(scene)?)),
         })
     }
 }

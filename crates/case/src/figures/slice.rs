@@ -57,11 +57,11 @@ impl<'a> ArrowSpec<'a> {
     }
 
     /// The components at the points of the mesh, for the slots of a vector.
-    fn slots(&self, scene: &Scene<'_>) -> Result<Vec<(usize, Vec<f64>)>, CaseError> {
+    fn slots(&self, scene: &Scene<'_>, limits: &Limits<'_>) -> Result<Slots, CaseError> {
         let mut out = Vec::new();
         for (k, axis) in ["x", "y", "z"].iter().enumerate() {
             let component = format!("{}_{axis}", self.field);
-            match scene.at_points(&self.reader, "field", &component)? {
+            match limits.at_points(scene, &self.reader, "field", &component)? {
                 Some(v) => out.push((VECTOR + k, v)),
                 None => break,
             }
@@ -180,10 +180,11 @@ impl<'a> SliceSpec<'a> {
         }
     }
 
-    /// Values at the points of the mesh in their slots; the samples of the field.
-    fn slots(&self, scene: &Scene<'_>) -> Result<Option<(Slots, section::Samples)>, CaseError> {
-        let Some(samples) = scene.samples(&self.r, "field", self.field)? else { return Ok(None) };
-        let mut slots = vec![(0, scene.grid.at_points(&samples))];
+    /// Values at the points of the mesh in their slots; `None` after a mistake.
+    fn slots(&self, scene: &Scene<'_>) -> Result<Option<Slots>, CaseError> {
+        let field = self.limits.at_points(scene, &self.r, "field", self.field)?;
+        let Some(field) = field else { return Ok(None) };
+        let mut slots = vec![(0, field)];
         slots.extend(self.limits.slots(scene, OTHERS)?);
         for (k, (field, _)) in self.levels.iter().enumerate() {
             let Some(reader) = &self.lines else { break };
@@ -191,14 +192,15 @@ impl<'a> SliceSpec<'a> {
             slots.extend(values.map(|v| (OTHERS + self.limits.len() + k, v)));
         }
         if let Some(arrows) = &self.arrows {
-            slots.extend(arrows.slots(scene)?);
+            slots.extend(arrows.slots(scene, &self.limits)?);
         }
-        Ok(Some((slots, samples)))
+        Ok(Some(slots))
     }
 
     /// The figure at a time; `None` after a mistake, which is reported.
     pub(super) fn draw(&self, scene: &Scene<'_>) -> Result<Option<SliceFigure>, CaseError> {
-        let Some((slots, samples)) = self.slots(scene)? else { return Ok(None) };
+        let Some(slots) = self.slots(scene)? else { return Ok(None) };
+        let Some(samples) = scene.samples(&self.r, "field", self.field)? else { return Ok(None) };
         let (grid, plane) = (scene.grid, &self.plane);
         let polygons = section::cut(grid, plane.point, plane.normal);
         let whole = triangles(grid, &polygons, &slots);

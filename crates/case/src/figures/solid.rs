@@ -45,18 +45,21 @@ impl<'a> Phase<'a> {
         }
     }
 
-    /// The triangles of the phase. `coloured` is the field of the figure; `drawn` are the
-    /// surfaces that earlier phases drew: one between two phases belongs to the first.
+    /// The triangles of the phase. `field` is that of the figure; `drawn` are the surfaces that
+    /// earlier phases drew: one between two phases belongs to the first.
     fn pieces(
         &self,
         scene: &Scene<'_>,
-        coloured: Option<&[f64]>,
+        (r, field): (&Reader<'_>, &str),
         keep: &[bool],
         drawn: &mut Vec<(&'a str, f64)>,
     ) -> Result<Vec<Piece>, CaseError> {
         let grid = scene.grid;
         let mut slots: Vec<(usize, Vec<f64>)> = Vec::new();
-        slots.extend(coloured.map(|v| (0, v.to_vec())));
+        if self.colour.is_none() {
+            let values = self.limits.at_points(scene, r, "field", field)?;
+            slots.extend(values.map(|v| (0, section::with_centres(grid, &v))));
+        }
         for (slot, v) in self.limits.slots(scene, OTHERS)? {
             slots.push((slot, section::with_centres(grid, &v)));
         }
@@ -176,15 +179,10 @@ impl<'a> SolidSpec<'a> {
         keep
     }
 
-    /// The figure at a time; `None` after a mistake, which is reported.
-    pub(super) fn draw(&self, scene: &Scene<'_>) -> Result<Option<SolidFigure>, CaseError> {
+    /// The figure at a time; mistakes are reported.
+    pub(super) fn draw(&self, scene: &Scene<'_>) -> Result<SolidFigure, CaseError> {
         let (grid, r) = (scene.grid, &self.r);
         let keep = self.shown(grid);
-        let mut coloured = None;
-        if self.phases.iter().any(|p| p.colour.is_none()) {
-            let Some(v) = scene.at_points(r, "field", self.field)? else { return Ok(None) };
-            coloured = Some(section::with_centres(grid, &v));
-        }
         let [sx, sy, sz] = self.stretch;
         let place = |v: Vec3| [sx * v[0], sy * v[1], sz * v[2]];
         let corner = |c: Corner| {
@@ -194,8 +192,7 @@ impl<'a> SolidSpec<'a> {
         };
         let (mut sheets, mut drawn) = (Vec::new(), Vec::new());
         for phase in &self.phases {
-            let by = coloured.as_deref().filter(|_| phase.colour.is_none());
-            let pieces = phase.pieces(scene, by, &keep, &mut drawn)?;
+            let pieces = phase.pieces(scene, (r, self.field), &keep, &mut drawn)?;
             phase.limits.warn_if_empty(&pieces, r, scene.time);
             sheets.push(Sheet {
                 label: phase.label.to_owned(),
@@ -204,13 +201,13 @@ impl<'a> SolidSpec<'a> {
                 triangles: pieces.into_iter().map(|p| p.corners.map(corner)).collect(),
             });
         }
-        let shades = coloured.is_some().then(|| {
-            let painted = sheets.iter().filter(|s: &&Sheet| s.paint == Paint::Values);
-            let values = painted.flat_map(|s| s.triangles.iter().flatten().map(|c| c.2));
+        let painted = || sheets.iter().filter(|s| s.paint == Paint::Values);
+        let shades = painted().next().map(|_| {
+            let values = painted().flat_map(|s| s.triangles.iter().flatten().map(|c| c.2));
             self.shades.over(values, self.field)
         });
         let edges = if self.outline { section::edges(grid, &keep) } else { Vec::new() };
-        Ok(Some(SolidFigure {
+        Ok(SolidFigure {
             title: self.title.replace("<time>", scene.time),
             up: self.view.up,
             eye: self.view.eye,
@@ -218,6 +215,6 @@ impl<'a> SolidSpec<'a> {
             edges: edges.into_iter().map(|(a, b)| (place(a), place(b))).collect(),
             shades,
             axes: self.axes.then(|| ["x", "y", "z"].map(String::from)),
-        }))
+        })
     }
 }

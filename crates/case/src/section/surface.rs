@@ -107,10 +107,16 @@ pub(crate) fn iso(
             }
         }
     }
-    let place = |(i, j): (usize, usize)| {
-        let t = over(i) / (over(i) - over(j));
-        all[i].towards(&all[j], if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.5 })
+    // Where the surface passes through a node, all edges from there share their corner.
+    let key = |(i, j): (usize, usize)| if over(i) == 0.0 { (i, i) } else { (i, j) };
+    let place = |(i, j): (usize, usize)| match key((i, j)) {
+        (i, k) if i == k => all[i],
+        _ => all[i].towards(&all[j], over(i) / (over(i) - over(j))),
     };
+    triangles.retain(|(_, t)| {
+        let [a, b, c] = t.map(key);
+        a != b && b != c && c != a
+    });
     let mut normals: HashMap<(usize, usize), Vec3> = HashMap::new();
     for (_, t) in &triangles {
         let c = t.map(place);
@@ -119,13 +125,13 @@ pub(crate) fn iso(
         let away = dot(n, sub(all[t[0].1].at, all[t[0].0].at));
         let n = if away < 0.0 { scale(n, -1.0) } else { n };
         for e in t {
-            let sum = normals.entry(*e).or_default();
+            let sum = normals.entry(key(*e)).or_default();
             *sum = add(*sum, n);
         }
     }
     let with = |e: (usize, usize)| {
         let mut c = place(e);
-        let n = normals.get(&e).copied().unwrap_or_default();
+        let n = normals.get(&key(e)).copied().unwrap_or_default();
         c.v[VECTOR..VECTOR + 3].copy_from_slice(&n);
         c
     };
@@ -176,6 +182,56 @@ mod tests {
         for c in pieces.iter().flat_map(|p| p.corners) {
             let n = unit([c.v[1], c.v[2], c.v[3]]);
             assert!(n.iter().all(|v| (v + 3f64.sqrt().recip()).abs() < 1e-9), "{n:?}");
+        }
+    }
+
+    /// Area vector of a closed surface and the volume in it (divergence theorem), with sides
+    /// told apart by the normals that corners carry.
+    fn enclosed(pieces: &[Piece]) -> (Vec3, f64) {
+        let (mut out, mut volume) = ([0.0; 3], 0.0);
+        for p in pieces {
+            let [a, b, c] = p.corners.map(|c| c.at);
+            let n = scale(cross(sub(b, a), sub(c, a)), 0.5);
+            let v = &p.corners[0].v;
+            let towards = dot(n, [v[VECTOR], v[VECTOR + 1], v[VECTOR + 2]]);
+            let n = if towards < 0.0 { scale(n, -1.0) } else { n };
+            out = add(out, n);
+            volume += dot(n, add(add(a, b), c)) / 9.0;
+        }
+        (out, volume)
+    }
+
+    fn meshes() -> [granflow_mesh::PolyMesh; 3] {
+        let wall = shapes::all(granflow_mesh::PatchKind::Wall);
+        [
+            shapes::unit_box([3, 4, 5]),
+            shapes::displaced(&shapes::unit_box([4, 4, 4]), 0.2, 3),
+            shapes::prism_box([4, 3, 4], [0.0; 3], [1.0; 3], wall),
+        ]
+    }
+
+    #[test]
+    fn a_phase_is_closed_and_holds_its_volume() {
+        for poly in meshes() {
+            let grid = Grid::new(poly);
+            let keep = vec![true; grid.poly.n_faces() - grid.poly.n_inner()];
+            let phase = |f: fn(Vec3) -> f64, level: f64| {
+                let at: Vec<f64> = grid.poly.points.iter().map(|p| f(*p)).collect();
+                let slots = [(4, with_centres(&grid, &at))];
+                let mut pieces = super::super::clip(outside(&grid, &slots, &keep), 4, level, 1.0);
+                pieces.extend(iso(&grid, &slots, 4, level));
+                enclosed(&pieces)
+            };
+            let (out, whole) = phase(|p| p[0], -1.0);
+            assert!(norm(out) < 1e-12 && (whole - 1.0).abs() < 1e-12, "{out:?} {whole}");
+            // x + y + z beyond 2.25: a corner of legs 0.75.
+            let (out, corner) = phase(|p| p[0] + p[1] + p[2], 2.25);
+            assert!(norm(out) < 1e-12, "{out:?}");
+            assert!((corner - 0.75f64.powi(3) / 6.0).abs() < 1e-12, "{corner}");
+            // Any field makes a closed surface.
+            let wild = |p: Vec3| (9.0 * p[0]).sin() * (7.0 * p[1]).cos() + (5.0 * p[2]).sin();
+            let (out, some) = phase(wild, 0.3);
+            assert!(norm(out) < 1e-12 && some > 0.1 && some < 0.9, "{out:?} {some}");
         }
     }
 
