@@ -47,9 +47,12 @@ impl ShadeSpec {
 
 /// Two growing numbers.
 pub(super) fn range(r: &Reader<'_>, key: &str) -> Option<(f64, f64)> {
+    let before = r.sink().n_errors();
     let v = r.maybe_scalars(key)?;
     match v[..] {
         [a, b] if a < b => Some((a, b)),
+        // It is no list, which was reported.
+        _ if r.sink().n_errors() > before => None,
         _ => {
             let help = Some("write `(0 16)`");
             r.error_at_key(key, "a range is two growing numbers", "not a range", help);

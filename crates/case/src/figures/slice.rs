@@ -95,7 +95,7 @@ impl Plane {
         }
         let usual = if normal[2].abs() > 0.9 { [0.0, 1.0, 0.0] } else { [0.0, 0.0, 1.0] };
         let up = r.opt_vector("up", Dims::NONE, usual);
-        if norm(cross(up, normal)) <= 1e-9 * norm(up) {
+        if norm(normal) > 0.0 && norm(cross(up, normal)) <= 1e-9 * norm(up) {
             r.error_at_key("up", "up must not be along the normal", "along the normal", None);
         }
         Plane {
@@ -328,4 +328,103 @@ fn arrows_on(pieces: &[Piece], plane: &Plane, spacing: f64) -> Vec<Arrow> {
         }
     }
     out.into_values().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granflow_mesh::{PatchKind, PolyMesh, shapes};
+    use section::Grid;
+
+    fn meshes() -> [PolyMesh; 3] {
+        let wall = shapes::all(PatchKind::Wall);
+        [
+            shapes::unit_box([5, 4, 3]),
+            shapes::displaced(&shapes::unit_box([4, 4, 4]), 0.2, 11),
+            shapes::prism_box([4, 5, 3], [0.0; 3], [1.0; 3], wall),
+        ]
+    }
+
+    fn linear(p: Vec3) -> f64 {
+        1.0 + p[0] + 2.0 * p[1] - 3.0 * p[2]
+    }
+
+    /// The plane x = 0.4 with axes y and z in units of half a metre from (0, 0.5, 0.5).
+    fn plane() -> Plane {
+        Plane {
+            point: [0.4, 0.0, 0.0],
+            normal: [1.0, 0.0, 0.0],
+            axes: base([1.0, 0.0, 0.0], [0.0, 0.0, 1.0]),
+            origin: [0.0, 0.5, 0.5],
+            unit: 0.5,
+        }
+    }
+
+    fn pieces(grid: &Grid, values: Vec<f64>) -> Vec<Piece> {
+        let polygons = section::cut(grid, plane().point, plane().normal);
+        triangles(grid, &polygons, &[(0, values)])
+    }
+
+    #[test]
+    fn linear_fields_are_exact_on_a_plane_that_is_covered_once() {
+        for poly in meshes() {
+            let grid = Grid::new(poly);
+            let n = grid.n_samples();
+            let values = (0..n).map(|s| linear(grid.place(s))).collect();
+            let samples = section::Samples { values, known: vec![true; n], periodic: true };
+            let pieces = pieces(&grid, grid.at_points(&samples));
+            let mut area = 0.0;
+            for piece in &pieces {
+                let [a, b, c] = piece.corners.map(|c| c.at);
+                area += 0.5 * norm(cross(sub(b, a), sub(c, a)));
+                let away = |p: Vec3| p[1..].iter().any(|x| (x - 0.5).abs() < 0.24);
+                for c in &piece.corners {
+                    assert!((c.at[0] - 0.4).abs() < 1e-12);
+                    // Off the edges of the mesh, where values stay within what is around.
+                    if away(c.at) {
+                        assert!((c.v[0] - linear(c.at)).abs() < 1e-12, "{c:?}");
+                    }
+                }
+            }
+            assert!((area - 1.0).abs() < 1e-12, "{area}");
+        }
+    }
+
+    #[test]
+    fn contours_of_a_linear_field_are_straight() {
+        for poly in meshes() {
+            let grid = Grid::new(poly);
+            let exact: Vec<f64> = grid.poly.points.iter().map(|p| linear(*p)).collect();
+            let flat = |p: Vec3| plane().flat(p);
+            let segments = section::level_segments(&pieces(&grid, exact), 0, 0.9, flat);
+            let lines = section::chain(&segments, 1e-7);
+            assert_eq!(lines.len(), 1);
+            // 1.4 + 2 y - 3 z = 0.9 from (0, 1/6) to (1, 5/6), seen in half metres from the middle.
+            for (u, v) in &lines[0] {
+                assert!((2.0 * u - 3.0 * v).abs() < 1e-9, "{u} {v}");
+            }
+            let ends = [lines[0][0].0, lines[0][lines[0].len() - 1].0];
+            assert!(ends.iter().all(|u| (u.abs() - 1.0).abs() < 1e-9) && ends[0] != ends[1]);
+            let steps = lines[0].windows(2).map(|w| (w[1].0 - w[0].0).hypot(w[1].1 - w[0].1));
+            let length: f64 = steps.sum();
+            assert!((length - 2.0 * (1.0 + 4.0 / 9.0f64).sqrt()).abs() < 1e-9, "{length}");
+        }
+    }
+
+    #[test]
+    fn arrows_stand_on_a_lattice_once_each() {
+        let grid = Grid::new(shapes::unit_box([5, 4, 3]));
+        let n = grid.poly.points.len();
+        let polygons = section::cut(&grid, plane().point, plane().normal);
+        let slots =
+            [(VECTOR, vec![9.0; n]), (VECTOR + 1, vec![2.0; n]), (VECTOR + 2, vec![1.0; n])];
+        let pieces = triangles(&grid, &polygons, &slots);
+        // Two units of the axes either way: 8 by 8 places, many of them on edges of cells.
+        let arrows = arrows_on(&pieces, &plane(), 0.25);
+        assert_eq!(arrows.len(), 64);
+        for (at, (u, v)) in arrows {
+            assert!(((at.0 / 0.25).rem_euclid(1.0) - 0.5).abs() < 1e-9, "{at:?}");
+            assert!((u - 2.0).abs() < 1e-12 && (v - 1.0).abs() < 1e-12);
+        }
+    }
 }

@@ -65,14 +65,24 @@ impl<'a> Phase<'a> {
         }
         let confine = |pieces, but| self.limits.confine(pieces, OTHERS, but);
         let mut pieces = confine(section::outside(grid, &slots, keep), None);
+        let mut shared = false;
         for (k, field, level) in self.limits.ends() {
             let Some((_, values)) = slots.iter().find(|s| s.0 == OTHERS + k) else { continue };
             // A field that only touches a level has no surface there.
             let beyond = values.iter().any(|v| *v < level) && values.iter().any(|v| *v > level);
-            if beyond && !drawn.contains(&(field, level)) {
+            if !beyond {
+                continue;
+            }
+            if drawn.contains(&(field, level)) {
+                shared = true;
+            } else {
                 drawn.push((field, level));
                 pieces.extend(confine(section::iso(grid, &slots, OTHERS + k, level), Some(k)));
             }
+        }
+        // Of a phase whose outside is hidden an earlier one may have drawn all there is.
+        if !shared {
+            self.limits.warn_if_empty(&pieces, r, scene.time);
         }
         Ok(pieces)
     }
@@ -193,7 +203,6 @@ impl<'a> SolidSpec<'a> {
         let (mut sheets, mut drawn) = (Vec::new(), Vec::new());
         for phase in &self.phases {
             let pieces = phase.pieces(scene, (r, self.field), &keep, &mut drawn)?;
-            phase.limits.warn_if_empty(&pieces, r, scene.time);
             sheets.push(Sheet {
                 label: phase.label.to_owned(),
                 paint: phase.colour.map_or(Paint::Values, Paint::Plain),
