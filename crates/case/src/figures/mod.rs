@@ -161,15 +161,15 @@ fn read(root: &Path, look: Look, sink: &Sink) -> Result<Vec<(String, Figure)>, C
 
 /// A figure of fields as the dictionary describes it.
 enum Field<'a> {
-    Slice(slice::SliceSpec<'a>),
-    Solid(solid::SolidSpec<'a>),
+    Slice(Box<slice::SliceSpec<'a>>),
+    Solid(Box<solid::SolidSpec<'a>>),
 }
 
 impl<'a> Field<'a> {
     fn read(kind: Kind, r: &Reader<'a>) -> Field<'a> {
         match kind {
-            Kind::Volume => Field::Solid(solid::SolidSpec::read(r)),
-            _ => Field::Slice(slice::SliceSpec::read(r)),
+            Kind::Volume => Field::Solid(Box::new(solid::SolidSpec::read(r))),
+            _ => Field::Slice(Box::new(slice::SliceSpec::read(r))),
         }
     }
 

@@ -24,8 +24,8 @@ pub use axis::{Axis, Scale, round_levels};
 pub use colour::ColourMap;
 pub use frame::Shades;
 pub use line::{Legend, LineFigure, Series, Style};
-pub use slice::{Arrows, SliceFigure};
-pub use solid::{Paint, Sheet, SolidFigure};
+pub use slice::{Arrows, Polyline, SliceFigure};
+pub use solid::{Facet, Paint, Sheet, SolidFigure};
 pub use text::literal;
 
 /// A colour: red, green, blue.

@@ -17,6 +17,9 @@ pub struct Arrows {
     pub unit: String,
 }
 
+/// A line in the coordinates of the axes.
+pub type Polyline = Vec<(f64, f64)>;
+
 /// A field over a plane. Coordinates are those of the axes, upwards positive.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct SliceFigure {
@@ -31,9 +34,9 @@ pub struct SliceFigure {
     /// Triangles of the field: corners and their values.
     pub triangles: Vec<[(f64, f64, f64); 3]>,
     /// Contour lines of the field: level and its pieces.
-    pub contours: Vec<(f64, Vec<Vec<(f64, f64)>>)>,
+    pub contours: Vec<(f64, Vec<Polyline>)>,
     /// Heavier lines: contours of other fields.
-    pub lines: Vec<Vec<(f64, f64)>>,
+    pub lines: Vec<Polyline>,
     /// Arrows, if any.
     pub arrows: Option<Arrows>,
 }

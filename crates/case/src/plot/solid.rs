@@ -16,6 +16,9 @@ pub enum Paint {
     Values,
 }
 
+/// Place, normal and value of the corners of a triangle.
+pub type Facet = [(Vec3, Vec3, f64); 3];
+
 /// A surface of triangles.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sheet {
@@ -25,8 +28,8 @@ pub struct Sheet {
     pub paint: Paint,
     /// 1: opaque.
     pub opacity: f64,
-    /// Place, normal and value of the corners.
-    pub triangles: Vec<[(Vec3, Vec3, f64); 3]>,
+    /// Its triangles.
+    pub triangles: Vec<Facet>,
 }
 
 /// Surfaces seen from a direction, without perspective.
@@ -116,7 +119,7 @@ impl SolidFigure {
         bar: Option<&Bar<'_>>,
         place: impl Fn(Vec3) -> Deep,
     ) {
-        let draw = |raster: &mut Raster, sheet: &Sheet, t: &[(Vec3, Vec3, f64); 3]| {
+        let draw = |raster: &mut Raster, sheet: &Sheet, t: &Facet| {
             let light = t.map(|c| camera.light(c.1, sheet.paint));
             let corners = t.map(|c| place(c.0));
             let mix = |s: [f64; 3], v: [f64; 3]| s[0] * v[0] + s[1] * v[1] + s[2] * v[2];
@@ -141,9 +144,9 @@ impl SolidFigure {
         for (a, b) in &self.edges {
             raster.segment(place(*a), place(*b), Rgb(70, 70, 70), 1.0, slack);
         }
-        let mut clear: Vec<(f64, &Sheet, &[(Vec3, Vec3, f64); 3])> = Vec::new();
+        let mut clear: Vec<(f64, &Sheet, &Facet)> = Vec::new();
         for sheet in self.sheets.iter().filter(|s| s.opacity < 1.0) {
-            let depth = |t: &[(Vec3, Vec3, f64); 3]| t.iter().map(|c| place(c.0)[2]).sum::<f64>();
+            let depth = |t: &Facet| t.iter().map(|c| place(c.0)[2]).sum::<f64>();
             clear.extend(sheet.triangles.iter().map(|t| (depth(t), sheet, t)));
         }
         clear.sort_by(|a, b| b.0.total_cmp(&a.0));
