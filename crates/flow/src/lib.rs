@@ -63,9 +63,9 @@ fn settle<T: Value>(
         }
         Err(SolveError::Spent(solved)) => Ok(solved),
         // Of numbers that were finite at first: what a preconditioner of other values made of them.
-        Err(SolveError::NotPositiveDefinite { iteration } | SolveError::NotFinite { iteration })
-            if iteration > 0 && purpose == Purpose::Direction =>
-        {
+        Err(
+            SolveError::NotPositiveDefinite { iteration } | SolveError::NotFinite { iteration },
+        ) if iteration > 0 && purpose == Purpose::Direction => {
             count.unconverged += 1;
             x.fill(T::ZERO);
             Ok(nothing(iteration))
