@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{Case, cavity, dam, granflow, ring, text};
+use common::{Case, cavity, collapse, dam, granflow, ring, text};
 
 /// Runs the bad case and returns what was said about it.
 fn diagnose(case: &Case) -> String {
@@ -168,6 +168,7 @@ bad! {
     one_phase_of_two: dam().edit(TRANSPORT, "phases (water air);", "phases (water);");
     phase_misspelt_in_the_list: dam().edit(TRANSPORT, "phases (water air);", "phases (water aire);");
     phase_without_dictionary: dam().edit(TRANSPORT, "phases (water air);", "phases (water methane);");
+    grains_after_their_fluid: collapse().edit(TRANSPORT, "(grains air)", "(air grains)");
     phase_without_density: dam().edit(TRANSPORT, "    rho             1000;\n", "");
     backward_with_two_phases: dam().edit(SCHEMES, "default Euler", "default backward");
     unknown_reconstruction: dam().edit(SOLUTION, "nAlphaCorr      2;", "reconstructionScheme plicRdf; nAlphaCorr 0;");

@@ -27,11 +27,31 @@ pub(crate) fn ring() -> Case {
 
 /// The breaking dam of the catalogue on 16 x 8 cells, for 20 ms.
 pub(crate) fn dam() -> Case {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/dam_break");
+    let mut case = of_two_phases("dam_break", "alpha.water")
+        .edit("system/blockMeshDict", "(80 40 1)", "(16 8 1)")
+        .edit("system/controlDict", "endTime         0.3;", "endTime         0.02;")
+        .edit("system/controlDict", "writeInterval   0.05;", "writeInterval   0.01;");
+    case.edits.clear();
+    case
+}
+
+/// The column of grains that collapses in air, `cases/column_collapse`, coarse and short.
+pub(crate) fn collapse() -> Case {
+    let mut case = of_two_phases("column_collapse", "alpha.grains")
+        .edit("system/blockMeshDict", "(60 20 1) simple", "(15 5 1) simple")
+        .edit("system/controlDict", "endTime         0.7;", "endTime         0.01;")
+        .edit("system/controlDict", "writeInterval   0.1;", "writeInterval   0.005;");
+    case.edits.clear();
+    case
+}
+
+fn of_two_phases(name: &str, alpha: &str) -> Case {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name);
+    let alpha = format!("0.orig/{alpha}");
     let files = [
         "0.orig/U",
         "0.orig/p_rgh",
-        "0.orig/alpha.water",
+        &alpha,
         "constant/g",
         "constant/transportProperties",
         "system/blockMeshDict",
@@ -44,12 +64,7 @@ pub(crate) fn dam() -> Case {
         files.iter().map(|f| fs::read_to_string(folder.join(f)).unwrap()).collect();
     let pairs: Vec<(&str, &str)> =
         files.iter().copied().zip(texts.iter().map(String::as_str)).collect();
-    let mut case = Case::new(&pairs)
-        .edit("system/blockMeshDict", "(80 40 1)", "(16 8 1)")
-        .edit("system/controlDict", "endTime         0.3;", "endTime         0.02;")
-        .edit("system/controlDict", "writeInterval   0.05;", "writeInterval   0.01;");
-    case.edits.clear();
-    case
+    Case::new(&pairs)
 }
 
 impl Case {
