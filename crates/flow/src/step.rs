@@ -99,10 +99,6 @@ impl Flow {
         if lost && guess == Guess::Old && self.may_start_from_rest() {
             return Ok(None);
         }
-        if lost && report.residuals.u >= NO_FLOW {
-            let (time, residuals) = (self.state.time, report.residuals);
-            return Err(StepError::NoFlow { time, residuals });
-        }
         self.end_coupled_step(dt, &mut report)?;
         Ok(Some(report))
     }
@@ -154,12 +150,16 @@ impl Flow {
         Ok(())
     }
 
-    /// What carries is conserved, converged or not.
+    /// What carries is conserved, converged or not; what is no flow is refused.
     pub(crate) fn end_coupled_step(
         &mut self,
         dt: f64,
         report: &mut Report,
     ) -> Result<(), StepError> {
+        if !report.converged && report.residuals.u >= NO_FLOW {
+            let (time, residuals) = (self.state.time, report.residuals);
+            return Err(StepError::NoFlow { time, residuals });
+        }
         if report.residuals.p > self.numerics.control.p {
             self.project_flux(report.residuals.p)?;
         }
