@@ -294,11 +294,11 @@ pub(crate) fn strain_rate_of(exec: &Exec, gradient: &[Tensor], out: &mut [f64]) 
 fn weight_beyond(share: Option<&[f64]>, cells: [usize; 2], weight: f64) -> f64 {
     let Some(share) = share else { return weight };
     let [o, n] = cells.map(|c| share[c]);
-    if o == n {
-        return weight;
+    match o == n {
+        true if o == 0.0 => 0.0,
+        true => weight,
+        false => weight * n / ((1.0 - weight) * o + weight * n),
     }
-    let (o, n) = ((1.0 - weight) * o, weight * n);
-    n / (o + n)
 }
 
 /// Viscosity on faces: between cells the weighted geometric mean, exact where viscosity changes
