@@ -1,14 +1,14 @@
 //! Timings: kernels, the annular cell, and one flow through this program and the reference tool.
 //! Runs of different programs alternate in one session; medians are printed.
 
-use crate::run;
+use crate::{race, run};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-const PARTS: [&str; 3] = ["kernels", "annular", "cavity"];
+const PARTS: [&str; 4] = ["kernels", "annular", "cavity", "twoPhases"];
 
 pub(crate) fn task(args: &[String]) -> Result<bool, String> {
     let (mut parts, mut repeat, mut granflow) = (Vec::new(), 3, None);
@@ -41,7 +41,7 @@ pub(crate) fn task(args: &[String]) -> Result<bool, String> {
     if wanted("kernels") {
         part("kernels", kernels());
     }
-    if wanted("annular") || wanted("cavity") {
+    if PARTS[1..].iter().any(|p| wanted(p)) {
         match granflow.map_or_else(|| run::build_granflow("release"), Ok) {
             Err(why) => part("runs", Err(why)),
             Ok(granflow) => {
@@ -50,6 +50,9 @@ pub(crate) fn task(args: &[String]) -> Result<bool, String> {
                 }
                 if wanted("cavity") {
                     part("lid-driven cavity", cavity(&granflow, repeat));
+                }
+                if wanted("twoPhases") {
+                    part("two fluids", race::two_phases(&granflow, repeat, cores));
                 }
             }
         }
@@ -127,12 +130,12 @@ fn median(mut x: Vec<f64>) -> f64 {
 
 /// What the logs below a case say of its steps.
 #[derive(Debug, Default, PartialEq)]
-struct Steps {
-    steps: usize,
+pub(crate) struct Steps {
+    pub(crate) steps: usize,
     outer: usize,
 }
 
-fn steps_below(case: &Path) -> Steps {
+pub(crate) fn steps_below(case: &Path) -> Steps {
     let mut all = Steps::default();
     for log in run::files_below(case, "log.jsonl") {
         let one = steps_of(&fs::read_to_string(log).unwrap_or_default());

@@ -8,12 +8,11 @@
 use crate::{bench, foam_field as field, run};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 use std::time::Instant;
 
 /// What the second program starts from.
 #[derive(Clone, Copy, PartialEq)]
-enum Start {
+pub(crate) enum Start {
     /// The tutorial's files alone.
     Own,
     /// The peer's fields of the first time, on a mesh of its own.
@@ -22,18 +21,18 @@ enum Start {
     Mesh,
 }
 
-struct Tutorial {
+pub(crate) struct Tutorial {
     /// Below `multiphase` in the examples; the last part is its name.
-    path: &'static str,
+    pub(crate) path: &'static str,
     /// The peer's utilities between copying and solving, a command line each.
-    prepare: &'static [&'static str],
-    start: Start,
+    pub(crate) prepare: &'static [&'static str],
+    pub(crate) start: Start,
     /// Entries that differ from the tutorial's in both runs: file, keyword, value.
-    changes: &'static [(&'static str, &'static str, &'static str)],
-    end: f64,
-    interval: f64,
+    pub(crate) changes: &'static [(&'static str, &'static str, &'static str)],
+    pub(crate) end: f64,
+    pub(crate) interval: f64,
     /// Direction in which the front is looked for.
-    axis: usize,
+    pub(crate) axis: usize,
 }
 
 const STATIC: (&str, &str, &str) = ("constant/dynamicMeshDict", "dynamicFvMesh", "staticFvMesh");
@@ -220,15 +219,7 @@ pub(crate) fn task(args: &[String]) -> Result<bool, String> {
 
 /// Runs a program in `dir`, its words to `log` there, and returns its seconds.
 fn logged(words: &[&str], program: Option<&Path>, dir: &Path, log: &str) -> Result<f64, String> {
-    let file = fs::File::create(dir.join(log)).map_err(|e| format!("{log}: {e}"))?;
-    let twin = file.try_clone().map_err(|e| format!("{log}: {e}"))?;
-    let (name, rest) = words.split_first().ok_or("no command")?;
-    let mut command = program.map_or_else(|| Command::new(name), Command::new);
-    command.args(rest).current_dir(dir).stdin(Stdio::null()).stdout(file).stderr(twin);
-    command.env("FOAM_SIGFPE", "false");
-    if std::env::var_os("WM_PROJECT_DIR").is_none() {
-        command.env("WM_PROJECT_DIR", "/usr/share/openfoam");
-    }
+    let mut command = run::logged_command(words, program, dir, log)?;
     let begun = Instant::now();
     let status = command.status().map_err(|e| format!("`{}`: {e}", words.join(" ")))?;
     match status.success() {
@@ -240,6 +231,11 @@ fn logged(words: &[&str], program: Option<&Path>, dir: &Path, log: &str) -> Resu
 impl Tutorial {
     fn name(&self) -> String {
         self.path.replace('/', "_")
+    }
+
+    /// The peer's program for it.
+    pub(crate) fn solver(&self) -> &'static str {
+        if self.path.starts_with("interIso") { "interIsoFoam" } else { "interFoam" }
     }
 
     /// Both programs on copies of the tutorial.
@@ -257,7 +253,7 @@ impl Tutorial {
             logged(&words, None, &theirs, &format!("log.prepare{i}"))?;
         }
         self.hand_over(&theirs, &ours)?;
-        let solver = if self.path.starts_with("interIso") { "interIsoFoam" } else { "interFoam" };
+        let solver = self.solver();
         let their_time = logged(&[solver], None, &theirs, "log.solver")?;
         for what in ["writeCellVolumes", "writeCellCentres"] {
             logged(&["postProcess", "-func", what, "-time", "0"], None, &theirs, "log.geometry")?;
@@ -283,7 +279,7 @@ impl Tutorial {
     }
 
     /// What both copies have in common beyond the tutorial.
-    fn edit(&self, case: &Path) -> Result<(), String> {
+    pub(crate) fn edit(&self, case: &Path) -> Result<(), String> {
         let (end, interval) = (self.end.to_string(), self.interval.to_string());
         let control = [
             ("startFrom", "startTime"),

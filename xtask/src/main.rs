@@ -8,6 +8,7 @@ mod compare;
 mod docs;
 mod foam_field;
 mod links;
+mod race;
 mod run;
 mod totals;
 mod validate;

@@ -96,6 +96,25 @@ pub(crate) fn build_granflow(profile: &str) -> Result<PathBuf, String> {
     built.next().ok_or_else(|| "cargo built no `granflow` binary".into())
 }
 
+/// A command to be run in `dir`, its words to `log` there, with what the reference tool needs around it.
+pub(crate) fn logged_command(
+    words: &[&str],
+    program: Option<&Path>,
+    dir: &Path,
+    log: &str,
+) -> Result<Command, String> {
+    let file = std::fs::File::create(dir.join(log)).map_err(|e| format!("{log}: {e}"))?;
+    let twin = file.try_clone().map_err(|e| format!("{log}: {e}"))?;
+    let (name, rest) = words.split_first().ok_or("no command")?;
+    let mut command = program.map_or_else(|| Command::new(name), Command::new);
+    command.args(rest).current_dir(dir).stdin(Stdio::null()).stdout(file).stderr(twin);
+    command.env("FOAM_SIGFPE", "false");
+    if std::env::var_os("WM_PROJECT_DIR").is_none() {
+        command.env("WM_PROJECT_DIR", "/usr/share/openfoam");
+    }
+    Ok(command)
+}
+
 /// The whole of a directory, copied.
 pub(crate) fn copy_dir(from: &Path, to: &Path) -> io::Result<()> {
     std::fs::create_dir_all(to)?;
