@@ -51,6 +51,8 @@ pub(crate) enum Guess {
     Old,
     /// Material at rest.
     Rest,
+    /// The flow at its beginning, whatever comes of it.
+    OldAfterAll,
 }
 
 impl Flow {
@@ -73,8 +75,9 @@ impl Flow {
     /// [`StepError`]; [`Flow::rollback`] then restores the state before the step (which has been
     /// done when it is [`StepError::Interrupted`]).
     ///
-    /// A step whose iteration loses its way is taken once more, iterating from material at rest in
-    /// place of the old flow, which may be far from anything that this material can do.
+    /// A step whose iteration loses its way or gives up is taken once more, iterating from material at
+    /// rest in place of the old flow, which may be far from anything that this material can do. Where
+    /// that comes no nearer, what the old flow led to stands.
     pub fn step(&mut self, dt: f64) -> Result<Report, StepError> {
         let mut result = self.advance(dt, Guess::Old);
         // What one rank reports as `NotFinite` the others do as `Elsewhere`: all must agree.
@@ -87,9 +90,19 @@ impl Flow {
         };
         let mut beyond = self.work.beyond;
         if lost && self.may_start_from_rest() {
+            let first = self.work.residuals;
+            let near = matches!(result, Ok(None)) && is_sound(&first);
             self.rollback();
             result = self.advance(dt, Guess::Rest);
             beyond = self.work.beyond.or(beyond);
+            let worse = match &result {
+                Ok(report) => report.is_some_and(|r| !r.converged && r.residuals.u >= first.u),
+                Err(_) => true,
+            };
+            if near && worse {
+                self.rollback();
+                result = self.advance(dt, Guess::OldAfterAll);
+            }
         }
         let time = self.state.time;
         match result {

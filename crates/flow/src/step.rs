@@ -95,7 +95,11 @@ impl Flow {
             return Ok(Some(report));
         }
         self.iterate(dt, &mut report)?;
-        let lost = !report.converged && !is_sound(&report.residuals);
+        // Given up before its passes were used up, or ended far from any flow. What a local law comes to
+        // is nearer in the next step.
+        let nonlocal = !self.fluid.rheology.is_local();
+        let gave_up = nonlocal && report.outer < self.numerics.outer.max(1);
+        let lost = !report.converged && (gave_up || !is_sound(&report.residuals));
         if lost && guess == Guess::Old && self.may_start_from_rest() {
             return Ok(None);
         }
@@ -302,6 +306,7 @@ impl Flow {
         w.patience = Patience::default();
         w.solves = Default::default();
         w.beyond = None;
+        w.slowest = 0.0;
         w.residuals = Residuals::default();
         state.time += dt;
         state.step += 1;
@@ -337,6 +342,7 @@ impl Flow {
         let Flow { state, work: w, fluid, two_phase, .. } = self;
         (state.time, state.step) = w.clock_start;
         w.fresh = false;
+        w.slowest = 0.0;
         state.u.cells.data.copy_from_slice(&w.u_start);
         state.p.cells.data.copy_from_slice(&w.p_start);
         state.phi.data.copy_from_slice(&w.phi_start);

@@ -204,20 +204,22 @@ impl Flow {
         if self.rests() {
             return 0.0;
         }
-        let (grains, eta) = (self.grains(), &self.work.eta.data);
+        let grains = self.grains();
         // Beside grains the stress of a fluid is theirs, and a strain rate made of it is none.
         let counts = |c: usize| grains.is_none_or(|grains| !sparse(grains.share[c]));
         let of = |c: usize| if counts(c) { rate[c] } else { 0.0 };
         let fastest = self.exec.max(n, |r| r.map(of).fold(0.0, f64::max));
         let change = |c: usize| {
-            if rate[c] < AT_REST * fastest {
+            if !counts(c) || rate[c] < AT_REST * fastest {
                 return 0.0;
             }
             let shortest = mesh.faces_of(c).map(|(f, _)| mesh.inv_dist[f]).fold(0.0, f64::max);
             let rounding = ROUNDING * granflow_base::norm(u[c]) * shortest / rate[c];
-            let change = (g[c] - y[c]).abs() - rounding;
-            let felt = grains.map_or(1.0, |grains| grains.felt(c, eta[c].min(g[c].exp())));
-            let change = felt * change;
+            let change = match grains {
+                Some(grains) if grains.share[c] < 1.0 => grains.change(c, y[c].exp(), g[c].exp()),
+                _ => (g[c] - y[c]).abs(),
+            };
+            let change = change - rounding;
             // What is no number is no small change.
             if change.is_nan() { f64::INFINITY } else { change.max(0.0) }
         };

@@ -9,7 +9,7 @@ use super::TwoPhase;
 use super::mixing::{Mixing, parallel, series};
 use super::pore::{PorePressure, Pores};
 use crate::{Flow, StepError};
-use granflow_base::{Dims, Value, Vec3, dot};
+use granflow_base::{Dims, Value, Vec3, dot, norm};
 use granflow_fv::{CellField, FaceField, Gradient, Unknown};
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
@@ -21,9 +21,18 @@ pub(crate) fn sparse(share: f64) -> bool {
     share < Share::NONE
 }
 
-/// Viscosity of grains over that of the fluid around them that momentum knows at most: times the rounding
-/// of a velocity, a greater one would be a force.
+/// Viscosity of grains over that of the fluid around them that momentum knows at most, where it is above
+/// what `STIFF` allows: times the rounding of a velocity, a greater one would be a force. The law of the
+/// grains does not know of it.
 const STIFFEST: f64 = 1e12;
+/// The same over `rho_1 sqrt(g h) h`, that of a material which its own weight shears at a millionth of the
+/// rate of a free fall through a cell of size h.
+const STIFF: f64 = 3e6;
+
+#[inline]
+fn stiffest(eta_2: f64, least: f64) -> f64 {
+    (STIFFEST * eta_2).max(least)
+}
 
 pub(crate) struct Grains {
     mixing: Mixing,
@@ -36,13 +45,16 @@ pub(crate) struct Grains {
     pub(crate) eta_2: CellField<f64>,
     /// `d ln eta / d ln eta_1` of the mixture on faces.
     pub(crate) response: Vec<f64>,
+    /// Viscosity that momentum feels whatever the fluid around the grains, Pa s; cells and ghosts.
+    least_stiffest: Vec<f64>,
     /// Gradient of the share, cells and ghosts, where the mixing asks for it.
     gradient: Vec<Vec3>,
     pub(crate) pore: PorePressure,
 }
 
 impl Grains {
-    pub(crate) fn new(mesh: &Mesh, mixing: Mixing, pore: PorePressure) -> Grains {
+    /// `weight` is `rho_1 sqrt(g)`.
+    pub(crate) fn new(mesh: &Mesh, mixing: Mixing, weight: f64, pore: PorePressure) -> Grains {
         let directed = mixing == Mixing::FaceDirection;
         Grains {
             mixing,
@@ -51,6 +63,7 @@ impl Grains {
             eta: vec![0.0; mesh.n_all()],
             eta_2: CellField::new(mesh, "eta2", Dims::VISCOSITY, 0.0),
             response: vec![1.0; mesh.n_faces()],
+            least_stiffest: mesh.volume.iter().map(|v| STIFF * weight * v.sqrt()).collect(),
             gradient: if directed { vec![[0.0; 3]; mesh.n_all()] } else { Vec::new() },
             pore,
         }
@@ -66,14 +79,17 @@ impl Grains {
         }
     }
 
-    /// `d ln eta/d ln eta_1` of cell `c`: how far the mixture feels the viscosity of the grains.
-    pub(crate) fn felt(&self, c: usize, eta_1: f64) -> f64 {
-        match (self.share[c], self.mixing) {
-            (a, _) if sparse(a) || eta_1 > STIFFEST * self.eta_2.data[c] => 0.0,
-            (a, _) if a >= 1.0 => 1.0,
-            (a, Mixing::Harmonic) => a * self.eta[c] / eta_1,
-            (a, Mixing::Arithmetic | Mixing::FaceDirection) => a * eta_1 / self.eta[c],
-        }
+    /// Change of ln(viscosity) of the mixture in cell `c` when that of the grains goes from `old` to `new`.
+    pub(crate) fn change(&self, c: usize, old: f64, new: f64) -> f64 {
+        let of =
+            |eta_1| self.mixing.in_cell(self.share[c], self.felt(c, eta_1), self.eta_2.data[c]);
+        (of(new) / of(old)).ln().abs()
+    }
+
+    /// The viscosity of the grains in cell `c` that momentum feels, Pa s.
+    #[inline]
+    fn felt(&self, c: usize, eta_1: f64) -> f64 {
+        eta_1.min(stiffest(self.eta_2.data[c], self.least_stiffest[c]))
     }
 
     /// The grains are where `alpha` says; its conditions are up to date.
@@ -105,12 +121,14 @@ impl Grains {
         eta_1: &[f64],
         eta_f: &mut FaceField<f64>,
     ) {
-        let Grains { mixing, share, eta, eta_2, response, gradient, .. } = self;
+        let Grains { mixing, share, eta, eta_2, response, gradient, least_stiffest, .. } = self;
         let (mixing, share, eta_2) = (*mixing, &share[..], &eta_2.data[..]);
+        let least_stiffest = &least_stiffest[..];
         exec.for_each(eta, |first, out| {
             for (i, eta) in out.iter_mut().enumerate() {
                 let c = first + i;
-                *eta = mixing.in_cell(share[c], eta_1[c].min(STIFFEST * eta_2[c]), eta_2[c]);
+                let felt = eta_1[c].min(stiffest(eta_2[c], least_stiffest[c]));
+                *eta = mixing.in_cell(share[c], felt, eta_2[c]);
             }
         });
         let gradient = &gradient[..];
@@ -122,7 +140,8 @@ impl Grains {
                 let w = if n == o { 1.0 } else { mesh.weight[f] };
                 let lerp = |x: &[f64]| w * x[o] + (1.0 - w) * x[n];
                 let (a, two) = (lerp(share), lerp(eta_2));
-                let (stiff, one) = (out[i] > STIFFEST * two, out[i].min(STIFFEST * two));
+                let most = stiffest(two, least_stiffest[o].min(least_stiffest[n]));
+                let (stiff, one) = (out[i] > most, out[i].min(most));
                 if share[o] >= 1.0 && share[n] >= 1.0 {
                     (out[i], response[i]) = (one, f64::from(u8::from(!stiff)));
                     continue;
@@ -207,7 +226,8 @@ impl Flow {
             Pores::Saturated => gravity.hydrostatic.map(|g| g * two.rho_2),
         };
         let pore = PorePressure::new(exec, mesh, weight);
-        two.work.grains = Some(Grains::new(mesh, two.mixing, pore));
+        let weight = fluid.rho * norm(gravity.hydrostatic).sqrt();
+        two.work.grains = Some(Grains::new(mesh, two.mixing, weight, pore));
     }
 
     /// Shares of the grains from the volume fraction as it stands.

@@ -2,6 +2,7 @@
 
 use crate::vof::Drive;
 use crate::{Flow, Report, State, StepError};
+use granflow_base::norm;
 use granflow_fv::Surroundings;
 use std::sync::Arc;
 
@@ -108,7 +109,7 @@ impl Flow {
         self.mix_mass_flux();
         self.update_face_forces();
         self.update_conditions();
-        if starts {
+        if starts && self.fastest() == 0.0 {
             self.guess_pressure(dt)?;
             self.work.slowest = FIRST_RATE;
         }
@@ -116,6 +117,12 @@ impl Flow {
         self.iterate(dt, &mut report)?;
         self.end_coupled_step(dt, &mut report)?;
         Ok(report)
+    }
+
+    /// The greatest velocity of a cell, m/s.
+    fn fastest(&self) -> f64 {
+        let u = &self.state.u.cells.data;
+        self.exec.max(self.mesh.n_cells, |r| r.map(|c| norm(u[c])).fold(0.0, f64::max))
     }
 
     /// Moves the volume fraction from where it was at the beginning of the step.

@@ -38,6 +38,9 @@ pub fn numerics(correctors: usize) -> Numerics {
     }
 }
 
+/// A rheology on a mesh.
+pub type Model = fn(&Exec, &Mesh) -> Box<dyn Rheology>;
+
 /// What a flow of two fluids is made of; `shape` is filled with fluid 1.
 pub struct Two<'a> {
     pub poly: &'a PolyMesh,
@@ -50,7 +53,7 @@ pub struct Two<'a> {
     pub numerics: Numerics,
     pub threads: usize,
     /// Of fluid 1 in place of `eta[0]`: grains, for example.
-    pub rheology: Option<fn(&Exec, &Mesh) -> Box<dyn Rheology>>,
+    pub rheology: Option<Model>,
     pub mixing: Mixing,
     pub pores: Pores,
 }

@@ -523,14 +523,12 @@ impl Rheology for Ngf {
     fn recall(&mut self, v: &FlowView<'_>, eta: &mut CellField<f64>) -> bool {
         let g = &self.g.cells.data;
         let unknown = |c: usize| v.has(c) && g[c] <= 0.0;
-        let lacks = match v.share {
-            // Cells that grains have just reached take it from where they came from.
-            Some(_) => !(0..v.mesh.n_cells).any(|c| g[c] > 0.0),
-            None => (0..v.mesh.n_cells).any(unknown),
-        };
-        let mut everywhere = [if self.known || !lacks { 0.0 } else { 1.0 }];
-        v.exec.comm().max(&mut everywhere);
-        self.known = everywhere[0] == 0.0;
+        // Cells that grains have just reached take it from where they came from; a rank may have none.
+        let has = (0..v.mesh.n_cells).any(|c| g[c] > 0.0);
+        let lacks = v.share.is_none() && (0..v.mesh.n_cells).any(unknown);
+        let mut of_all = [has, lacks].map(|is| f64::from(u8::from(is)));
+        v.exec.comm().max(&mut of_all);
+        self.known |= of_all[0] > 0.0 && of_all[1] <= 0.0;
         if self.known {
             self.reach_new_cells(v);
             self.viscosity(v, eta);
