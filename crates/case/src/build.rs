@@ -10,7 +10,7 @@ use granflow_flow::vof::Vof;
 use granflow_flow::{Flow, Fluid, Numerics, Solve, State, TwoPhase, TwoPhaseParts};
 use granflow_fv::{FaceField, Gradient, LeastSquares, Surroundings, Unknown, operators};
 use granflow_linsolve::{LinearSolver, build as solver, gamg};
-use granflow_mesh::{Mesh, PatchKind};
+use granflow_mesh::Mesh;
 use granflow_par::Exec;
 use granflow_physics::rheology::{FluidContext, NgfNumerics};
 use std::sync::Arc;
@@ -52,14 +52,7 @@ impl Start {
         let (s, n) = (&flow.state, flow.mesh.n_cells);
         let k = case.pressure_factor();
         let backward = flow.numerics.ddt == granflow_flow::TimeScheme::Backward;
-        let fluxes = |phi: &[f64]| {
-            let mut phi: Vec<f64> = phi.iter().map(|phi| tidy(*phi)).collect();
-            for patch in flow.mesh.patches.iter().filter(|p| p.kind == PatchKind::Empty) {
-                // Files hold nothing for empty patches.
-                phi[patch.faces.clone()].fill(0.0);
-            }
-            phi
-        };
+        let fluxes = |phi: &[f64]| phi.iter().map(|phi| tidy(*phi)).collect::<Vec<_>>();
         let tidied = |v: &[Vec3]| v[..n].iter().map(|v| tidy(*v)).collect::<Vec<_>>();
         Start {
             time: s.time,

@@ -205,7 +205,7 @@ fn spacing(mesh: &Mesh) -> [f64; 2] {
         return [a, b];
     }
     // A single cell.
-    let side = mesh.volume.first().copied().unwrap_or(1.0).cbrt();
+    let side = if mesh.n_cells > 0 { mesh.cell_size(0) } else { 1.0 };
     [side, side]
 }
 

@@ -4,6 +4,7 @@
 mod anderson;
 mod coupled;
 mod failure;
+mod free_fall;
 mod friction;
 mod interpolation;
 mod interrupt;

@@ -7,7 +7,7 @@
 
 use crate::interpolation::Slopes;
 use crate::{Flow, StepError, TimeScheme};
-use granflow_base::{Value, Vec3, norm};
+use granflow_base::{Value, Vec3};
 use granflow_fv::{
     Convection, Ddt, ddt, defer_to_upwind, div, div_explicit, laplacian, operators, source,
 };
@@ -134,11 +134,11 @@ impl Flow {
     pub(crate) fn momentum_residual(&mut self) -> f64 {
         // With two fluids what balances on the faces does not show in the cells: where nothing moves the
         // weight is the force at work.
-        let g = self.grains().map_or(0.0, |_| norm(self.gravity.hydrostatic));
+        let free_fall = self.free_fall();
         let Flow { exec, mesh, state, work: w, fluid, .. } = self;
         let (rho, rho_1) = (&w.rho.data, fluid.rho);
         // The speed that rounding is measured by, where nothing moves.
-        let fall = |c: usize| (g * mesh.volume[c].cbrt()).sqrt();
+        let fall = |c: usize| free_fall.speed(mesh.cell_size(c));
         w.u_eqn.a.residual(exec, &w.b, &mut state.u.cells.data, &mut w.residual);
         let n = mesh.n_cells;
         keep_solved(exec, mesh, &mut w.residual);
@@ -150,7 +150,7 @@ impl Flow {
                 let sum = w.u_eqn.row_sum[c];
                 let mut own = u[c].scaled(sum);
                 let light = rho_1 / rho[c];
-                let mut pulls = rho[c] * mesh.volume[c] * g;
+                let mut pulls = rho[c] * mesh.volume[c] * free_fall.g;
                 for k in a.ptr[c] as usize..a.ptr[c + 1] as usize {
                     let other = a.col[k] as usize;
                     let pull = u[other].minus(u[c]).scaled(a.val[k]);

@@ -107,15 +107,15 @@ impl Flow {
         let twice_strain = &*twice_strain;
         exec.for_each(&mut w.strain_rate[..n], |first, out| {
             for (i, rate) in out.iter_mut().enumerate() {
-                *rate = magnitude(&twice_strain[first + i]).max(least(mesh.volume[first + i]));
+                *rate = magnitude(&twice_strain[first + i]).max(least(mesh.cell_size(first + i)));
             }
         });
     }
 
-    /// Least strain rate in a cell of a given volume.
+    /// Least strain rate over a given length.
     fn least_rate(&self) -> impl Fn(f64) -> f64 + Sync + use<> {
-        let (share, g) = (self.work.slowest, granflow_base::norm(self.gravity.hydrostatic));
-        move |volume| if share > 0.0 { share * (g / volume.cbrt()).sqrt() } else { 0.0 }
+        let (share, fall) = (self.work.slowest, self.free_fall());
+        move |size| if share > 0.0 { share * fall.rate(size) } else { 0.0 }
     }
 
     /// The law on the faces: at the strain rate of their own differences but for what they share
@@ -147,7 +147,7 @@ impl Flow {
                     Some(_) => SHARED * between(mesh, cell_rate, f) + (1.0 - SHARED) * own_rate[f],
                     None => own_rate[f],
                 }
-                .max(least(mesh.volume[mesh.owner[f] as usize]));
+                .max(least(1.0 / mesh.inv_dist[f]));
                 let (here, x) = (mesh.owner[f] as usize, mesh.face_centre[f]);
                 let weight = density[here] * dot(gravity.hydrostatic, x);
                 pressure[i] = match (mesh.neighbour.get(f), grains) {

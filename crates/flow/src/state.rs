@@ -239,8 +239,8 @@ pub enum StepError {
     /// The outer iteration ended in a state that is no flow.
     #[error(
         "the outer iteration ended at time {time} in what is no flow: its forces are out of balance by {:.1} \
-         times their size",
-        residuals.u
+         times their size, and a pass changes the viscosity by a factor of {:.1e}",
+        residuals.u, residuals.viscosity.min(700.0).exp()
     )]
     NoFlow {
         /// Time, s.

@@ -160,7 +160,9 @@ impl Flow {
         dt: f64,
         report: &mut Report,
     ) -> Result<(), StepError> {
-        if !report.converged && report.residuals.u >= NO_FLOW {
+        let last = &report.residuals;
+        let nothing = last.u >= NO_FLOW || last.viscosity >= NO_VISCOSITY;
+        if !report.converged && nothing {
             let (time, residuals) = (self.state.time, report.residuals);
             return Err(StepError::NoFlow { time, residuals });
         }
@@ -359,8 +361,8 @@ impl Flow {
     /// at [`STILL`].
     pub(crate) fn continuity_residual(&self) -> f64 {
         let (mesh, phi) = (&self.mesh, &self.state.phi.data);
-        let g = self.grains().map_or(0.0, |_| norm(self.gravity.hydrostatic));
-        let still = |c: usize| STILL * (g * mesh.volume[c].cbrt()).sqrt();
+        let fall = self.free_fall();
+        let still = |c: usize| STILL * fall.speed(mesh.cell_size(c));
         let [net, gross] = self.exec.sums(mesh.n_cells, |range| {
             let mut s = [0.0; 2];
             for c in range {
@@ -368,7 +370,7 @@ impl Flow {
                 for (f, sign) in mesh.faces_of(c) {
                     net += sign * phi[f];
                     gross += phi[f].abs();
-                    if g > 0.0 {
+                    if fall.g > 0.0 {
                         gross += still(c) * mesh.mag_area[f];
                     }
                 }
@@ -499,6 +501,8 @@ const RHEOLOGY_SOLVED: f64 = 1e-6;
 /// Residual of momentum, force imbalance over force, that no flow has: where an iteration that did
 /// not converge ends with it, the step has failed.
 const NO_FLOW: f64 = 1.0;
+/// Change of the logarithm of viscosity in a pass from which on it is no viscosity of that flow.
+const NO_VISCOSITY: f64 = 10.0;
 
 /// Fields that follow from the state.
 pub struct Derived<'a> {

@@ -229,12 +229,12 @@ impl Flow {
     /// Whether grains and the fluid around them stand still: of strain rates that are rounding a viscosity
     /// is no more than that.
     pub(crate) fn rests(&self) -> bool {
-        let g = self.grains().map_or(0.0, |_| granflow_base::norm(self.gravity.hydrostatic));
-        if g == 0.0 {
+        let fall = self.free_fall();
+        if fall.g == 0.0 {
             return false;
         }
         let (mesh, u) = (&self.mesh, &self.state.u.cells.data);
-        let speed = |c: usize| granflow_base::norm(u[c]) / (g * mesh.volume[c].cbrt()).sqrt();
+        let speed = |c: usize| granflow_base::norm(u[c]) / fall.speed(mesh.cell_size(c));
         self.exec.max(mesh.n_cells, |r| r.map(speed).fold(0.0, f64::max)) < AT_REST
     }
 

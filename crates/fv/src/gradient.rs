@@ -40,12 +40,7 @@ impl LeastSquares {
                 let d = scale(mesh.delta[f], s);
                 m = m.axpy(1.0 / dot(d, d), Vec3::dyad(d, d));
             }
-            for (k, solved) in mesh.solved_dirs.iter().enumerate() {
-                if !solved {
-                    m[4 * k] += 1.0;
-                }
-            }
-            inverse_symmetric(&m)
+            inverse_symmetric(&mesh.fit_to_invert(m))
         };
         LeastSquares { inverse: (0..mesh.n_cells).map(one).collect() }
     }
@@ -63,7 +58,7 @@ impl Gradient {
     ) {
         let own = &mut out[..mesh.n_cells];
         let leaning = mesh.max_nonorth_deg > 0.1;
-        let skewed = mesh.is_skewed();
+        let (skewed, solved) = (mesh.is_skewed(), mesh.solved_dirs);
         match self {
             Gradient::GaussLinear => exec.for_each(own, |first, out| {
                 for (i, g) in out.iter_mut().enumerate() {
@@ -90,6 +85,8 @@ impl Gradient {
                             let arm = sub(place, mesh.cell_centre[c]);
                             lack = lack.axpy(-s * per_volume, Vec3::dyad(mesh.area[f], arm));
                         }
+                        // Nothing is lacking where there are no faces.
+                        (0..3).filter(|&k| !solved[k]).for_each(|k| lack[4 * k] = 0.0);
                         *g = completed::<T>(*g, &lack);
                     }
                 }

@@ -24,7 +24,7 @@ impl Reconstruction {
             for (f, _) in mesh.faces_of(c) {
                 m = m.axpy(1.0 / mesh.mag_area[f], Vec3::dyad(mesh.area[f], mesh.area[f]));
             }
-            granflow_base::inverse_symmetric(&m)
+            granflow_base::inverse_symmetric(&mesh.fit_to_invert(m))
         };
         Reconstruction { inverse: (0..mesh.n_cells).map(one).collect() }
     }

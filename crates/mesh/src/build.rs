@@ -78,6 +78,7 @@ impl Mesh {
             poly_face: Vec::with_capacity(poly.n_faces()),
             global_cell: (0..n_cells as u32).collect(),
             solved_dirs,
+            extent: extent(poly, solved_dirs),
             max_nonorth_deg: 0.0,
             max_skew: 0.0,
         };
@@ -109,7 +110,7 @@ impl Mesh {
             if p.kind.coupled() {
                 let first = first_coupled[i] as u32;
                 patch.coupled_faces = (first..first + p.len as u32).collect();
-            } else {
+            } else if p.kind != PatchKind::Empty {
                 p.faces().for_each(|f| m.push_boundary(poly, &g, f));
                 patch.faces = start..m.owner.len();
             }
@@ -117,11 +118,8 @@ impl Mesh {
         }
         m.mag_area = m.area.iter().map(|&a| norm(a)).collect();
         (m.cell_ptr, m.cell_faces) = link_cells(n_cells, &m.owner, &m.neighbour);
-        // Through empty and wedge patches there is no gradient to correct.
-        let flat = |p: &&Patch| !matches!(p.kind, PatchKind::Empty | PatchKind::Wedge);
-        let boundary = m.patches.iter().filter(flat).flat_map(|p| p.faces.clone());
-        m.max_nonorth_deg = (0..m.n_inner)
-            .chain(boundary)
+        // Coupled patches have no boundary faces: nothing passes a wedge to be corrected.
+        m.max_nonorth_deg = (0..m.n_faces())
             .map(|f| dot(m.area[f], m.delta[f]) / (m.mag_area[f] * norm(m.delta[f])))
             .fold(1.0, f64::min)
             .clamp(-1.0, 1.0)
@@ -240,6 +238,17 @@ fn sound(poly: &PolyMesh, g: &Geometry) -> Result<(), MeshError> {
         }
         _ => Ok(()),
     }
+}
+
+/// Where the mesh begins and ends along the axes that are not solved for; without end along others.
+fn extent(poly: &PolyMesh, solved: [bool; 3]) -> [[f64; 2]; 3] {
+    let mut extent = [[f64::NEG_INFINITY, f64::INFINITY]; 3];
+    for k in (0..3).filter(|&k| !solved[k]) {
+        let along = || poly.points.iter().map(|x| x[k]);
+        extent[k] =
+            [along().fold(f64::INFINITY, f64::min), along().fold(f64::NEG_INFINITY, f64::max)];
+    }
+    extent
 }
 
 /// Directions that remain once the normals of empty patches are taken out.

@@ -171,6 +171,7 @@ impl<'w> Cut<'w> {
             poly_face: Vec::new(),
             global_cell: cells.to_vec(),
             solved_dirs: whole.solved_dirs,
+            extent: whole.extent,
             max_nonorth_deg: whole.max_nonorth_deg,
             max_skew: whole.max_skew,
         };

@@ -1,7 +1,7 @@
 //! The numerics' view of a mesh.
 
 use crate::polymesh::PatchKind;
-use granflow_base::Vec3;
+use granflow_base::{Tensor, Vec3};
 use granflow_par::Halo;
 use std::ops::Range;
 use std::sync::Arc;
@@ -14,7 +14,8 @@ const SKEWED: f64 = 1e-3;
 ///
 /// Faces: inner faces first, then boundary faces, contiguous per patch. An inner face has two
 /// cells; behind a coupled face (cyclic, wedge, processor) the neighbour is a ghost, numbered
-/// from `n_cells` on. Ghost values are filled by `halo`; ghosts have no faces of their own.
+/// from `n_cells` on. Ghost values are filled by `halo`; ghosts have no faces of their own. Faces of
+/// empty patches are not there at all: nothing passes them, and of the six faces of a cell they are two.
 #[derive(Clone)]
 pub struct Mesh {
     /// Number of cells this rank owns.
@@ -62,6 +63,8 @@ pub struct Mesh {
     pub global_cell: Vec<u32>,
     /// False along an axis that empty patches take out of the problem.
     pub solved_dirs: [bool; 3],
+    /// Where the mesh begins and ends along those axes, m; without end along the others.
+    pub extent: [[f64; 2]; 3],
     /// Greatest angle between `delta` and the normal of an inner face of the whole mesh, degrees.
     pub max_nonorth_deg: f64,
     /// Greatest length of `skew` over the distance between the cells, of the inner faces of the
@@ -76,7 +79,7 @@ pub struct Patch {
     pub name: String,
     /// Geometric kind.
     pub kind: PatchKind,
-    /// Its boundary faces; empty for coupled patches.
+    /// Its boundary faces; none for coupled and empty patches.
     pub faces: Range<usize>,
     /// Its inner faces, in patch order, when it is coupled; else empty.
     pub coupled_faces: Vec<u32>,
@@ -110,6 +113,24 @@ impl Mesh {
     /// gradient. A property of the whole mesh: all ranks agree.
     pub fn is_skewed(&self) -> bool {
         self.max_skew > SKEWED
+    }
+    /// A sum of dyads of the faces of a cell, with 1 along the axes that are not solved for, where
+    /// there are no faces: fit to be inverted.
+    #[must_use]
+    pub fn fit_to_invert(&self, mut sum: Tensor) -> Tensor {
+        (0..3).filter(|&k| !self.solved_dirs[k]).for_each(|k| sum[4 * k] += 1.0);
+        sum
+    }
+    /// Side of the cube as large as a cell, of the square where one direction is not solved for, m.
+    pub fn cell_size(&self, c: usize) -> f64 {
+        let flat = self.extent.iter().filter(|[lo, _]| lo.is_finite());
+        let (taken, thickness) = flat.fold((0, 1.0), |(n, t), [lo, hi]| (n + 1, t * (hi - lo)));
+        let measure = self.volume[c] / thickness;
+        match taken {
+            0 => measure.cbrt(),
+            1 => measure.sqrt(),
+            _ => measure,
+        }
     }
     /// Length of a cell array with ghosts.
     pub fn n_all(&self) -> usize {

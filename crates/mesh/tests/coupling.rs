@@ -175,7 +175,12 @@ fn empty_patches_take_out_their_direction() {
     ))
     .unwrap();
     assert_eq!(m.solved_dirs, [true, true, false]);
-    assert_eq!(m.patches[4].faces.len(), 6);
+    assert_eq!(m.patches[4].faces.len(), 0, "nothing passes them");
+    assert_eq!(m.n_faces(), 17);
+    assert_eq!(m.extent[0], [f64::NEG_INFINITY, f64::INFINITY]);
+    let thickness = m.extent[2][1] - m.extent[2][0];
+    assert!((m.volume[0] / thickness - 1.0).abs() < 1e-14, "cells are 1 m wide");
+    assert!((m.cell_size(0) - 1.0).abs() < 1e-14, "whatever their thickness");
     let thick = shapes::box_mesh([2, 2, 2], [0.0; 3], [1.0; 3], {
         let mut k = shapes::all(PatchKind::Wall);
         k[4..].fill(PatchKind::Empty);

@@ -21,7 +21,12 @@ impl<'m> Locator<'m> {
 
     /// The cell that holds `x`; `None` outside the mesh.
     pub(crate) fn find(&mut self, x: Vec3) -> Option<usize> {
-        if self.mesh.n_cells == 0 {
+        let skin = self.mesh.extent.map(|[lo, hi]| SKIN * (hi - lo));
+        let beside = |k: usize| {
+            let [lo, hi] = self.mesh.extent[k];
+            skin[k].is_finite() && !(lo - skin[k]..=hi + skin[k]).contains(&x[k])
+        };
+        if self.mesh.n_cells == 0 || (0..3).any(beside) {
             return None;
         }
         if let Some(c) = self.walk(x) {
@@ -51,12 +56,10 @@ impl<'m> Locator<'m> {
 
 /// The face that `x` lies farthest outside of, if it lies outside of any.
 fn outside(mesh: &Mesh, c: usize, x: Vec3) -> Option<usize> {
-    let size = mesh.volume[c].cbrt();
-    let mut worst = SKIN * size;
+    let mut worst = SKIN * mesh.cell_size(c);
     let mut face = None;
     for (f, s) in mesh.faces_of(c) {
         let out = s * dot(sub(x, mesh.face_centre[f]), mesh.area[f]) / mesh.mag_area[f];
-        // Empty and thin directions count like any other: a point beside the plane is outside.
         if out > worst {
             worst = out;
             face = Some(f);
@@ -68,7 +71,16 @@ fn outside(mesh: &Mesh, c: usize, x: Vec3) -> Option<usize> {
 /// The part of the segment from `a` along `d` (parameters 0 to 1) that lies in cell `c`.
 pub(crate) fn clip(mesh: &Mesh, c: usize, a: Vec3, d: Vec3) -> Option<(f64, f64)> {
     let (mut t0, mut t1) = (0.0_f64, 1.0_f64);
-    let skin = SKIN * mesh.volume[c].cbrt();
+    let skin = SKIN * mesh.cell_size(c);
+    for (k, [lo, hi]) in mesh.extent.into_iter().enumerate().filter(|(_, e)| e[0].is_finite()) {
+        let (enter, leave) = if d[k] < 0.0 { (hi, lo) } else { (lo, hi) };
+        if d[k] != 0.0 {
+            t0 = t0.max((enter - a[k]) / d[k]);
+            t1 = t1.min((leave - a[k]) / d[k]);
+        } else if !(lo - skin..=hi + skin).contains(&a[k]) {
+            return None;
+        }
+    }
     for (f, s) in mesh.faces_of(c) {
         let n = mesh.area[f].map(|x| s * x / mesh.mag_area[f]);
         let (out, speed) = (dot(sub(a, mesh.face_centre[f]), n), dot(d, n));

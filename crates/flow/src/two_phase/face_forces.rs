@@ -43,7 +43,7 @@ impl FaceForces {
                 let e = direction(mesh, &open, f);
                 m = m.axpy(1.0, Vec3::dyad(e, e));
             }
-            inverse_symmetric(&m)
+            inverse_symmetric(&mesh.fit_to_invert(m))
         };
         FaceForces {
             jump: FaceField::new(mesh, "jump", Dims::PRESSURE, 0.0),

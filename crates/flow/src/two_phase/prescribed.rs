@@ -2,7 +2,7 @@
 
 use crate::Flow;
 use granflow_base::{Value, Vec3, add, dot, scale, sub};
-use granflow_mesh::{Mesh, PatchKind, PolyMesh};
+use granflow_mesh::{Mesh, PolyMesh};
 
 /// A flux through the faces times a factor that changes with time.
 pub struct Prescribed {
@@ -39,11 +39,7 @@ impl Prescribed {
             let sum: f64 = around.sum();
             if e & 1 == 1 { -sum } else { sum }
         };
-        let mut flux: Vec<f64> = mesh.poly_face.iter().map(one).collect();
-        for p in mesh.patches.iter().filter(|p| p.kind == PatchKind::Empty) {
-            flux[p.faces.clone()].fill(0.0);
-        }
-        flux
+        mesh.poly_face.iter().map(one).collect()
     }
 }
 

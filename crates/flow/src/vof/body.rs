@@ -64,7 +64,7 @@ impl Body {
         self.ring.clear();
         self.start.clear();
         self.start.push(0);
-        for (f, sign) in mesh.faces_of(c) {
+        for (f, sign) in corners.faces_of(mesh, c) {
             for k in corners.facets_of(f) {
                 let first = self.ring.len();
                 for &p in corners.facet(k) {

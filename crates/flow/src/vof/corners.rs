@@ -1,7 +1,7 @@
 //! Points and flat facets of a mesh's faces: what geometric methods need beyond [`Mesh`].
 
 use granflow_base::{Vec3, add, cross, dot, norm, scale, sub};
-use granflow_mesh::{Mesh, PolyMesh};
+use granflow_mesh::{Mesh, PatchKind, PolyMesh};
 use std::ops::Range;
 
 /// A face counts as flat when no corner leaves its plane by more than this share of its size.
@@ -18,6 +18,8 @@ pub struct Corners {
     /// Start of every facet in `facet_points`, and the end of the last one.
     facet_start: Vec<u32>,
     facet_points: Vec<u32>,
+    /// Start of every cell in the faces that lie on empty patches, which follow those of the mesh.
+    empty_start: Vec<u32>,
     /// Most points, facet corners and facets of one cell.
     pub(crate) largest_cell: [usize; 3],
 }
@@ -30,6 +32,7 @@ impl Corners {
             face_facets: vec![0],
             facet_start: vec![0],
             facet_points: Vec::new(),
+            empty_start: Vec::new(),
             largest_cell: [0; 3],
         };
         let mut ring = Vec::new();
@@ -41,9 +44,14 @@ impl Corners {
             }
             corners.push_face(&ring);
         }
+        for faces in &empty_faces(poly, mesh) {
+            corners.empty_start.push(corners.face_facets.len() as u32 - 1);
+            faces.iter().for_each(|&f| corners.push_face(poly.face(f as usize)));
+        }
+        corners.empty_start.push(corners.face_facets.len() as u32 - 1);
         for c in 0..mesh.n_cells {
             let (mut n_ring, mut n_facets) = (0, 0);
-            for (f, _) in mesh.faces_of(c) {
+            for (f, _) in corners.faces_of(mesh, c) {
                 n_facets += corners.facets_of(f).len();
                 n_ring += corners.facets_of(f).map(|k| corners.facet(k).len()).sum::<usize>();
             }
@@ -77,7 +85,16 @@ impl Corners {
         self.facet_start.push(self.facet_points.len() as u32);
     }
 
-    /// Facets of face `f` of the mesh.
+    /// All faces of a cell as [`Mesh::faces_of`], and those on empty patches after them.
+    pub fn faces_of<'a>(
+        &self,
+        mesh: &'a Mesh,
+        c: usize,
+    ) -> impl Iterator<Item = (usize, f64)> + use<'a> {
+        let empty = self.empty_start[c] as usize..self.empty_start[c + 1] as usize;
+        mesh.faces_of(c).chain(empty.map(|f| (f, 1.0)))
+    }
+    /// Facets of face `f` of [`Self::faces_of`].
     #[inline]
     pub fn facets_of(&self, f: usize) -> Range<usize> {
         self.face_facets[f] as usize..self.face_facets[f + 1] as usize
@@ -87,4 +104,21 @@ impl Corners {
     pub fn facet(&self, k: usize) -> &[u32] {
         &self.facet_points[self.facet_start[k] as usize..self.facet_start[k + 1] as usize]
     }
+}
+
+/// Faces of `poly` on empty patches, for each cell of `mesh`.
+fn empty_faces(poly: &PolyMesh, mesh: &Mesh) -> Vec<Vec<u32>> {
+    let mut of_cell = vec![Vec::new(); mesh.n_cells];
+    let mut here = vec![u32::MAX; poly.n_cells()];
+    for (c, &whole) in mesh.global_cell.iter().enumerate() {
+        here[whole as usize] = c as u32;
+    }
+    for p in poly.patches.iter().filter(|p| p.kind == PatchKind::Empty) {
+        for f in p.faces() {
+            if let Some(faces) = of_cell.get_mut(here[poly.owner[f] as usize] as usize) {
+                faces.push(f as u32);
+            }
+        }
+    }
+    of_cell
 }

@@ -419,7 +419,7 @@ pub(super) fn cell_velocity(mesh: &Mesh, phi: &FaceField<f64>, c: usize) -> Vec3
         }
         rhs = add(rhs, scale(s, k * phi.data[f]));
     }
-    apply(&inverse_symmetric(&m), rhs)
+    apply(&inverse_symmetric(&mesh.fit_to_invert(m)), rhs)
 }
 
 /// Fractions next to 0 or 1 are put there.
