@@ -4,7 +4,7 @@ use crate::boundary::of_kind;
 use crate::fields::{Sheet, VolField};
 use crate::functions::Written;
 use crate::restart::Clock;
-use crate::store::{Operation, StoreError, TimeWriter, write_atomic};
+use crate::store::{Operation, StoreError, TimeWriter, write_atomic, write_whole};
 use crate::worker::Sheets;
 use crate::{Case, CaseError};
 use granflow_base::{Dims, dot};
@@ -40,7 +40,7 @@ impl Tables {
         for w in written {
             match w {
                 Written::File { file, text } => {
-                    write_atomic(&self.root.join(name).join(time).join(file), text.as_bytes())?;
+                    write_whole(&self.root.join(name).join(time).join(file), text.as_bytes())?;
                 }
                 Written::Line { file, header, line } => {
                     let path = self.root.join(name).join(&self.start).join(file);

@@ -306,19 +306,35 @@ pub fn write_atomic(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
 
 /// The same on a given disk; for tests that let it fail.
 pub fn write_atomic_on(disk: &dyn Disk, path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
+    put_aside_first(disk, path, bytes, true)
+}
+
+/// Writes a single file aside and renames it: whoever reads finds all of it or none, but a power
+/// failure may undo it. For samples of every step, which waiting for the disk would make costly.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
+    put_aside_first(&RealDisk, path, bytes, false)
+}
+
+fn put_aside_first(
+    disk: &dyn Disk,
+    path: &Path,
+    bytes: &[u8],
+    safe: bool,
+) -> Result<(), StoreError> {
     let path = through_link(path);
     let parent = parent_of(&path);
     create_dirs(disk, parent)?;
     let aside = hidden_name(&path, Suffix::New)?;
-    let done = disk
-        .write_new(&aside, bytes)
+    let written =
+        if safe { disk.write_new(&aside, bytes) } else { std::fs::write(&aside, bytes) };
+    let done = written
         .at(Operation::Write, &path)
         .and_then(|()| disk.rename(&aside, &path).at(Operation::Rename, &path));
     if let Err(e) = done {
         let _ = disk.remove_file(&aside);
         return Err(e);
     }
-    disk.sync_dir(parent).at(Operation::Sync, parent)
+    if safe { disk.sync_dir(parent).at(Operation::Sync, parent) } else { Ok(()) }
 }
 
 /// What a hidden name of ours says about the entry.

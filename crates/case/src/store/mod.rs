@@ -17,7 +17,7 @@ mod lock;
 mod stale;
 mod time;
 
-pub use dir::{Compression, DirWriter, TimeWriter, write_atomic, write_atomic_on};
+pub use dir::{Compression, DirWriter, TimeWriter, write_atomic, write_atomic_on, write_whole};
 pub use disk::{Disk, RealDisk};
 pub use error::{Kind, Operation, StoreError};
 pub use lock::{CaseLock, LOCK_NAME, LockError};

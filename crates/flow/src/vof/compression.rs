@@ -26,6 +26,10 @@ impl Compression<'_> {
     #[inline]
     pub(super) fn flux(&self, mesh: &Mesh, alpha: &[f64], phi: f64, f: usize) -> f64 {
         let (o, n, w) = (mesh.owner[f] as usize, mesh.neighbour[f] as usize, mesh.weight[f]);
+        if alpha[o] == alpha[n] && (alpha[o] == 0.0 || alpha[o] == 1.0) {
+            // Within one of the fluids.
+            return 0.0;
+        }
         let g = self.gradient[o].scaled(w).axpy(1.0 - w, self.gradient[n]);
         let mut speed = self.c_alpha * (1.0 - self.ic_alpha) * phi.abs() / mesh.mag_area[f];
         if self.ic_alpha > 0.0 {

@@ -19,6 +19,8 @@ pub(super) struct FluxLimiter {
     inward: Vec<f64>,
     /// Shares of what wants to go out that may (ghosts included).
     outward: Vec<f64>,
+    /// Cells that a correction wants to pass in or out of: those beside the interface.
+    concerned: Vec<bool>,
     /// Part of the correction that a pass takes, m3/s.
     taken: FaceField<f64>,
 }
@@ -30,6 +32,7 @@ impl FluxLimiter {
             high: vec![0.0; mesh.n_cells],
             inward: vec![0.0; mesh.n_all()],
             outward: vec![0.0; mesh.n_all()],
+            concerned: vec![true; mesh.n_cells],
             taken: FaceField::new(mesh, "limitedCorrection", Dims::VOLUME_FLUX, 0.0),
         }
     }
@@ -82,12 +85,24 @@ impl FluxLimiter {
         passes: usize,
     ) {
         let n = mesh.n_cells;
+        // A pass only takes from what is wanted: no cell becomes concerned.
+        let wanted = &correction.data;
+        exec.for_each(&mut self.concerned, |first, out| {
+            for (i, concerned) in out.iter_mut().enumerate() {
+                *concerned = mesh.faces_of(first + i).any(|(f, _)| wanted[f] != 0.0);
+            }
+        });
+        self.inward.fill(1.0);
+        self.outward.fill(1.0);
         for _ in 0..passes.max(1) {
-            let FluxLimiter { low, high, inward, outward, taken } = self;
-            let (now, wanted) = (&*alpha, &correction.data);
+            let FluxLimiter { low, high, inward, outward, concerned, taken } = self;
+            let (now, wanted, concerned) = (&*alpha, &correction.data, &*concerned);
             exec.for_each2(&mut inward[..n], &mut outward[..n], |first, inward, outward| {
                 for (i, (r_in, r_out)) in inward.iter_mut().zip(outward).enumerate() {
                     let c = first + i;
+                    if !concerned[c] {
+                        continue;
+                    }
                     let (mut gain, mut loss) = (0.0, 0.0);
                     for (f, s) in mesh.faces_of(c) {
                         let out = s * wanted[f];
@@ -110,6 +125,10 @@ impl FluxLimiter {
                 &mut correction.data[..mesh.n_inner],
                 |first, taken, wanted| {
                     for (i, (t, w)) in taken.iter_mut().zip(wanted).enumerate() {
+                        if *w == 0.0 {
+                            *t = 0.0;
+                            continue;
+                        }
                         let f = first + i;
                         let (o, n) = (mesh.owner[f] as usize, mesh.neighbour[f] as usize);
                         let (from, to) = if *w > 0.0 { (o, n) } else { (n, o) };
@@ -125,6 +144,9 @@ impl FluxLimiter {
             exec.for_each(&mut alpha[..n], |first, alpha| {
                 for (i, a) in alpha.iter_mut().enumerate() {
                     let c = first + i;
+                    if !concerned[c] {
+                        continue;
+                    }
                     let net: f64 = mesh.faces_of(c).map(|(f, s)| s * taken[f]).sum();
                     *a -= dt / mesh.volume[c] * net;
                 }
