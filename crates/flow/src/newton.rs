@@ -30,12 +30,22 @@ const HALVINGS: usize = 6;
 /// beside a yield surface grows with it.
 const SHARED: f64 = 0.1;
 
+/// Least share of a material's stiffness that Newton's method gives it along its flow. A material that
+/// yields without hardening has none there; where all of a body yields, only inertia resists, and the
+/// linear problem is not solved. With a share that the law does not have the error of a pass does not
+/// vanish, but falls to a share of itself. Beside another fluid grains begin with
+const LEAST_STIFFNESS: f64 = 0.05;
+/// of it, elsewhere with none. It doubles whenever a linear problem keeps more than this of its residual.
+const STALLED: f64 = 0.5;
+
 /// Scratch of the method.
 pub(crate) struct Newton {
     /// Whether the present pass lets the viscosity follow.
     pub(crate) active: bool,
     /// Whether the last step of Newton's method was refused.
     pub(crate) refused: bool,
+    /// Least share of stiffness along the flow, [`LEAST_STIFFNESS`] or more, or none.
+    stiffness: f64,
     /// Twice the strain rate tensor of the cells and the shares of their faces in it.
     twice_strain: Vec<Tensor>,
     shares: Vec<[f64; 3]>,
@@ -68,6 +78,7 @@ impl Newton {
         Newton {
             active: false,
             refused: false,
+            stiffness: 0.0,
             twice_strain: vec![[0.0; 9]; cells],
             shares: vec![[0.0; 3]; cells],
             cell_rate: vec![0.0; all],
@@ -85,8 +96,9 @@ impl Newton {
         }
     }
     /// To be called as a step begins.
-    pub(crate) fn begin_step(&mut self) {
+    pub(crate) fn begin_step(&mut self, beside_fluid: bool) {
         (self.active, self.refused) = (false, false);
+        self.stiffness = if beside_fluid { LEAST_STIFFNESS } else { 0.0 };
     }
 }
 
@@ -178,6 +190,10 @@ impl Flow {
         w.newton.p.copy_from_slice(&state.p.cells.data);
         let solved = self.solve_coupled(dt, wanted)?;
         let (start, mut share) = (solved[0].first, 1.0);
+        if solved[0].last > STALLED * start {
+            let stiffness = &mut self.work.newton.stiffness;
+            *stiffness = (2.0 * *stiffness).clamp(LEAST_STIFFNESS, 1.0);
+        }
         for _ in 0..=HALVINGS {
             if self.imbalance_of_state(dt)? <= (1.0 - ENOUGH * share) * start {
                 return Ok(solved);
@@ -251,6 +267,7 @@ impl Newton {
         mesh.halo.update(exec, d_rate);
         let d_rate = &*d_rate;
         let (rate, slopes, response) = (&self.rate, &self.slopes, &self.response);
+        let softest = self.stiffness - 1.0;
         exec.for_each(&mut stress.data, |first, out| {
             for (i, t) in out.iter_mut().enumerate() {
                 let f = first + i;
@@ -273,7 +290,7 @@ impl Newton {
                 };
                 let mut d_ln_eta = of_pressure * dp;
                 if of_rate != 0.0 {
-                    d_ln_eta += of_rate * change / rate[f];
+                    d_ln_eta += of_rate.max(softest) * change / rate[f];
                 }
                 *t = t.axpy(d_ln_eta * response[f], apply(&self.face_strain[f], mesh.area[f]));
             }

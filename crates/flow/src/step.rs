@@ -296,7 +296,7 @@ impl Flow {
     pub(crate) fn begin_step(&mut self, dt: f64) {
         self.work.friction.forget();
         self.remember_flux(dt);
-        let Flow { state, work: w, fluid, .. } = self;
+        let Flow { state, work: w, fluid, two_phase, .. } = self;
         w.u_start.copy_from_slice(&state.u.cells.data);
         w.p_start.copy_from_slice(&state.p.cells.data);
         w.phi_start.copy_from_slice(&state.phi.data);
@@ -304,7 +304,7 @@ impl Flow {
         w.clock_start = (state.time, state.step);
         w.fresh = false;
         w.coupled.begin_step();
-        w.newton.begin_step();
+        w.newton.begin_step(two_phase.is_some());
         w.patience = Patience::default();
         w.solves = Default::default();
         w.beyond = None;
