@@ -45,8 +45,12 @@ fn dictionaries_of_openfoam_are_understood() {
     assert_eq!(case.config.control.write, WriteControl::Steps(5));
     assert_eq!(case.reference, Some((0, 2.0)));
     let said = notices.join("\n");
-    for fact in ["cellLimited", "`FDIC` for `p` is served by a cycle of `GAMG`", "relaxationFactors", "limitedLinearV"]
-    {
+    for fact in [
+        "cellLimited",
+        "`FDIC` for `p` is served by a cycle of `GAMG`",
+        "relaxationFactors",
+        "limitedLinearV",
+    ] {
         assert!(said.contains(fact), "{fact}: {said}");
     }
 }

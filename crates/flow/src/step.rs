@@ -161,7 +161,8 @@ impl Flow {
         report: &mut Report,
     ) -> Result<(), StepError> {
         let last = &report.residuals;
-        let nothing = last.u >= NO_FLOW || last.viscosity >= NO_VISCOSITY;
+        let nothing =
+            last.u >= NO_FLOW || last.viscosity >= NO_VISCOSITY && last.u >= FAR_FROM_BALANCE;
         if !report.converged && nothing {
             let (time, residuals) = (self.state.time, report.residuals);
             return Err(StepError::NoFlow { time, residuals });
@@ -503,6 +504,8 @@ const RHEOLOGY_SOLVED: f64 = 1e-6;
 const NO_FLOW: f64 = 1.0;
 /// Change of the logarithm of viscosity in a pass from which on it is no viscosity of that flow.
 const NO_VISCOSITY: f64 = 10.0;
+/// Residual of momentum that goes with it: single cells in a flow in balance may change that much.
+const FAR_FROM_BALANCE: f64 = 0.1;
 
 /// Fields that follow from the state.
 pub struct Derived<'a> {

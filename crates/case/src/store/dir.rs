@@ -325,8 +325,7 @@ fn put_aside_first(
     let parent = parent_of(&path);
     create_dirs(disk, parent)?;
     let aside = hidden_name(&path, Suffix::New)?;
-    let written =
-        if safe { disk.write_new(&aside, bytes) } else { std::fs::write(&aside, bytes) };
+    let written = if safe { disk.write_new(&aside, bytes) } else { std::fs::write(&aside, bytes) };
     let done = written
         .at(Operation::Write, &path)
         .and_then(|()| disk.rename(&aside, &path).at(Operation::Rename, &path));

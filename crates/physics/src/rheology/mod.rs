@@ -9,6 +9,7 @@ mod bird_carreau;
 mod casson;
 mod cross_power_law;
 mod herschel_bulkley;
+mod limited;
 mod mu_i;
 mod newtonian;
 mod ngf;

@@ -1,6 +1,7 @@
 //! The local granular laws: mu(I) and its regularised form.
 
-use super::{Entry, LocalLaw, Point, local};
+use super::limited::limited;
+use super::{Entry, LocalLaw, Point};
 use granflow_base::Dims;
 use granflow_dict::Reader;
 
@@ -106,9 +107,10 @@ pub struct MuI(pub Granular);
 pub(super) const ENTRY: Entry = Entry {
     name: "muI",
     summary: "dense granular flow, local: friction depends on the inertial number",
-    formula: "eta = mu(I) P/rate, mu = mus + (mu2 - mus)/(I0/I + 1), I = rate d sqrt(rhos/P)",
+    formula: "eta = mu(I) P/rate, mu = mus + (mu2 - mus)/(I0/I + 1), I = rate d sqrt(rhos/P); kept between \
+              rho nuMin and rho nuMax where they are given",
     reference: "P. Jop, Y. Forterre, O. Pouliquen, Nature 441 (2006) 727",
-    read: |r, _| local(MuI(Granular::read(r))),
+    read: |r, _| limited(r, MuI(Granular::read(r))),
 };
 
 impl LocalLaw for MuI {
@@ -153,7 +155,7 @@ pub(super) const ENTRY_REGULARISED: Entry = Entry {
         let grains = Granular::read(r);
         let mu_inf = r.opt_non_negative("muInf", Dims::NONE, 0.05);
         let alpha = r.opt_positive("alphaReg", Dims::NONE, 1.9);
-        local(MuIRegularised::new(grains, mu_inf, alpha))
+        limited(r, MuIRegularised::new(grains, mu_inf, alpha))
     },
 };
 
