@@ -1,15 +1,17 @@
-//! The first of two phases as a whole: its volume, where it is, how it moves, how far it reaches.
+//! The first of two phases as a whole: its volume, where it is, how it moves, how far it reaches, what
+//! leaves.
 
 use super::schedule::{Every, Schedule};
 use super::{Entry, Function, Plan, View, Written};
 use crate::CaseConfig;
 use granflow_dict::{Diag, Sink, Span, number};
+use granflow_fv::Unknown;
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
 
 pub(super) const ENTRY: Entry = Entry {
     name: "phase",
-    summary: "volume, centroid, mean velocity and extent (where alpha = 0.5) of the first phase",
+    summary: "volume, centroid, mean velocity, extent (where alpha = 0.5) and outflow of the first phase",
     reference: "S. Hysing et al., Int. J. Numer. Meth. Fluids 60 (2009) 1259, section 2",
     read: |r, _| Box::new(Phase { span: r.key_span("type") }),
     schedule: Schedule::always(Every::Steps(1)),
@@ -68,22 +70,36 @@ fn reach(view: &View<'_>, alpha: &[f64], k: usize, sign: f64) -> f64 {
     view.exec.max(mesh.n_faces(), |r| r.map(at).fold(f64::NEG_INFINITY, f64::max))
 }
 
+/// What leaves through the boundary less what enters, m3/s.
+fn outflow(view: &View<'_>, alpha: &Unknown<f64>) -> f64 {
+    let (mesh, first) = (view.mesh, view.mesh.n_inner);
+    let leaves = |b: usize| view.phi[first + b] * alpha.boundary_value(mesh, first + b);
+    view.exec.sum(mesh.n_faces() - first, |r| r.map(leaves).sum())
+}
+
 impl Function for Phase {
     fn needs_derived(&self) -> bool {
         false
     }
     fn sample(&mut self, view: &View<'_>) -> Vec<Written> {
         let Some(alpha) = view.alpha else { return Vec::new() };
+        let leaves = outflow(view, alpha);
         let alpha = &alpha.cells.data;
         let m = moments(view, alpha);
         let mut row = vec![m[0]];
         row.extend(m[1..].iter().map(|x| if m[0] > 0.0 { x / m[0] } else { 0.0 }));
         for k in 0..3 {
-            for sign in [-1.0, 1.0] {
-                let x = sign * reach(view, alpha, k, sign);
+            for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
+                // There are no faces on empty patches.
+                let whole = !view.mesh.solved_dirs[k] && m[0] > 0.0;
+                let x = match whole {
+                    true => view.mesh.extent[k][side],
+                    false => sign * reach(view, alpha, k, sign),
+                };
                 row.push(if x.is_finite() { x } else { 0.0 });
             }
         }
+        row.push(leaves);
         if view.exec.rank() != 0 {
             return Vec::new();
         }
@@ -91,8 +107,8 @@ impl Function for Phase {
         vec![Written::Line {
             file: "phase.dat",
             header:
-                "# The first phase: m3, m, m/s\n# Time\tvolume\tx\ty\tz\tU_x\tU_y\tU_z\tx_min\t\
-                     x_max\ty_min\ty_max\tz_min\tz_max"
+                "# The first phase: m3, m, m/s, m3/s\n# Time\tvolume\tx\ty\tz\tU_x\tU_y\tU_z\tx_min\t\
+                     x_max\ty_min\ty_max\tz_min\tz_max\toutflow"
                     .into(),
             line: format!("{}\t{}", view.time_name, cells.join("\t")),
         }]
