@@ -91,11 +91,13 @@ impl WaveTable {
             };
             frame.depth = match stored(root, &start.dir, &patch.name, sink)? {
                 Some(depth) => depth,
-                None => r
-                    .maybe_scalar(DEPTH, Dims::LENGTH)
-                    .unwrap_or_else(|| frame.level(wet_share(p, &field.cells, mesh))),
+                None if r.has(DEPTH) => r.positive(DEPTH, Dims::LENGTH),
+                None => frame.level(wet_share(p, &field.cells, mesh)),
             };
-            if frame.depth <= 0.0 || frame.depth.is_nan() {
+            if r.has(DEPTH) && (frame.depth <= 0.0 || frame.depth.is_nan()) {
+                continue;
+            }
+            if frame.depth <= 0.0 {
                 let message = format!("there is no water before patch `{}`", patch.name);
                 let help = "fill cells behind it (system/setFieldsDict), or give `waterDepthRef`";
                 r.error_here(message, "needs a depth of still water", Some(help));

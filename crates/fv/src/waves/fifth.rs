@@ -4,6 +4,7 @@ use super::progressive::{Progressive, ratios, wave_number};
 use super::{Context, Entry, Place, Wave};
 use granflow_base::Vec3;
 use granflow_dict::Reader;
+use std::f64::consts::PI;
 
 pub(super) const ENTRY: Entry = Entry {
     name: "StokesV",
@@ -137,6 +138,11 @@ impl Fifth {
         found.unwrap_or(Fifth { wave, h, k: 1.0, elevation: [0.0; 5], velocity: [0.0; 5] })
     }
 
+    /// Elevation at a phase, m.
+    fn profile(&self, theta: f64) -> f64 {
+        (0..5).map(|n| self.elevation[n] * ((n + 1) as f64 * theta).cos()).sum()
+    }
+
     /// Solves the dispersion relation of the wave together with its height, from the wave number of
     /// a small wave down to half of it.
     fn new(wave: Progressive, context: Context) -> Option<Fifth> {
@@ -163,16 +169,18 @@ impl Fifth {
         let potential = summed(all.a, lambda);
         let celerity = wave.omega() / k;
         let velocity = std::array::from_fn(|n| celerity * (n + 1) as f64 * potential[n]);
-        // A profile that is not highest in the middle of its crest is none.
-        let curved: f64 = (0..5).map(|n| ((n + 1) * (n + 1)) as f64 * elevation[n]).sum();
-        (curved > 0.0 && k.is_finite()).then_some(Fifth { wave, h, k, elevation, velocity })
+        let found = Fifth { wave, h, k, elevation, velocity };
+        // Where the series fails its profile has more than one crest.
+        const PARTS: u32 = 64;
+        let profile = |i: u32| found.profile(PI * f64::from(i) / f64::from(PARTS));
+        let falls = (0..PARTS).all(|i| profile(i + 1) < profile(i));
+        falls.then_some(found)
     }
 }
 
 impl Wave for Fifth {
     fn elevation(&self, at: Place) -> f64 {
-        let theta = self.wave.theta(self.k, at);
-        (0..5).map(|n| self.elevation[n] * ((n + 1) as f64 * theta).cos()).sum()
+        self.profile(self.wave.theta(self.k, at))
     }
     fn velocity(&self, at: Place, z: f64) -> Vec3 {
         let theta = self.wave.theta(self.k, at);

@@ -3,7 +3,7 @@
 use super::solitary::Crest;
 use super::{Entry, Place, Wave};
 use granflow_base::Vec3;
-use granflow_dict::{Reader, number};
+use granflow_dict::Reader;
 
 pub(super) const ENTRY: Entry = Entry {
     name: "McCowan",
@@ -26,7 +26,7 @@ impl McCowan {
     fn read(r: &Reader<'_>, crest: Crest) -> McCowan {
         let found = McCowan::new(crest);
         if found.is_none() && crest.height < crest.depth {
-            let label = format!("{} of the depth", number(crest.epsilon()));
+            let label = format!("{:.4} of the depth", crest.epsilon());
             let message = "McCowan's theory has no wave as high as this";
             r.error_at_key("waveHeight", message, label, None);
         }

@@ -2,7 +2,7 @@
 
 use super::{Context, Place};
 use granflow_base::{Dims, Vec3};
-use granflow_dict::{Reader, number};
+use granflow_dict::Reader;
 use std::f64::consts::{PI, TAU};
 
 /// Three quarters of a turn: the surface at the patch rises from still water, upwards when time
@@ -62,7 +62,7 @@ pub(super) fn direction(r: &Reader<'_>) -> [f64; 2] {
 pub(super) fn height(r: &Reader<'_>, depth: f64) -> f64 {
     let height = r.positive("waveHeight", Dims::LENGTH);
     if height >= depth {
-        let label = format!("the water is {} m deep", number(depth));
+        let label = format!("the water is {depth:.4} m deep");
         r.error_at_key("waveHeight", "the wave is higher than the water is deep", label, None);
     }
     height

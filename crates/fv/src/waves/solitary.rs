@@ -3,7 +3,7 @@
 use super::progressive::{direction, height, turned};
 use super::{Context, Place};
 use granflow_base::Vec3;
-use granflow_dict::{Reader, number};
+use granflow_dict::Reader;
 
 /// Height over depth of the highest solitary wave (J. K. Hunter, J.-M. Vanden-Broeck, J. Fluid Mech. 136
 /// (1983) 63).
@@ -30,7 +30,7 @@ impl Crest {
         r.ignore("wavePeriod");
         let crest = Crest { height: height(r, depth), depth, gravity, direction: direction(r) };
         if crest.epsilon() > HIGHEST && crest.epsilon() < 1.0 {
-            let label = format!("{} of the depth", number(crest.epsilon()));
+            let label = format!("{:.4} of the depth", crest.epsilon());
             let help = format!("solitary waves break at {HIGHEST} of the depth");
             r.error_at_key("waveHeight", "the wave would break", label, Some(&help));
         }

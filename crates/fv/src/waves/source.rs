@@ -257,6 +257,6 @@ pub(super) mod tests {
         let (_, sink) = source("waveModel StokesV; waveHeight 0.6; wavePeriod 2;");
         assert!(sink.take().to_string().contains("higher than the water is deep"));
         let (_, sink) = source("waveModel McCowan; waveHeight 0.43;");
-        assert!(sink.take().to_string().contains("0.86 of the depth"));
+        assert!(sink.take().to_string().contains("0.8600 of the depth"));
     }
 }
