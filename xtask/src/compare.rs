@@ -196,7 +196,7 @@ const TUTORIALS: &[Tutorial] = &[
     waves("interFoam/laminar/waves/stokesV", 4.0, 2.0),
     waves("interFoam/laminar/waves/cnoidal", 4.0, 2.0),
     Tutorial { changes: COARSE, ..waves("interFoam/laminar/waves/streamFunction", 4.0, 2.0) },
-    waves("interFoam/laminar/waves/irregularMultiDirection", 6.0, 3.0),
+    waves("interFoam/laminar/waves/irregularMultiDirection", 3.0, 1.5),
     waves("interFoam/laminar/waves/solitary", 1.5, 0.5),
     Tutorial { changes: NARROW, ..waves("interFoam/laminar/waves/solitaryGrimshaw", 1.0, 0.5) },
     Tutorial { changes: NARROW, ..waves("interFoam/laminar/waves/solitaryMcCowan", 1.0, 0.5) },
