@@ -33,6 +33,13 @@ const KINDS: &[Kind] = &[
         choose: |name| Some(format!("type  {name};")),
     },
     Kind {
+        name: "waves",
+        title: "Waves",
+        intro: "Values of `waveModel` for a patch in `constant/waveProperties`, where its conditions \
+                are `waveAlpha` and `waveVelocity`.",
+        choose: |name| Some(format!("waveModel  {name};")),
+    },
+    Kind {
         name: "schemes",
         title: "Schemes",
         intro: "Words of `system/fvSchemes`.",

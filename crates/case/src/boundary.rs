@@ -3,6 +3,7 @@
 //! A patch's entry is found as OpenFOAM does: its own name, then a group it belongs to (the last
 //! one in the file wins), then a pattern (again the last one).
 
+use crate::WaveTable;
 use granflow_base::Vec3;
 use granflow_dict::{
     CONSTRAINT_TYPES, Dict, Entry, Key, Payload, Reader, Sink, Tok, Token, Value, nearest,
@@ -63,6 +64,7 @@ pub fn resolve<T: FieldType>(
             n_faces: patch.len,
             n_inner: poly.n_inner(),
             dims,
+            wave: None,
         };
         T::condition(&sub, &context);
         // Left by OpenFOAM's own tools.
@@ -165,7 +167,7 @@ pub fn of_kind(kind: &PatchKind) -> Dict {
 pub fn conditions<T: FieldType>(
     entries: &[Dict],
     mesh: &Mesh,
-    poly: &PolyMesh,
+    (poly, waves): (&PolyMesh, &WaveTable),
     dims: granflow_base::Dims,
     factor: f64,
 ) -> Vec<Box<dyn Condition<T>>> {
@@ -175,12 +177,14 @@ pub fn conditions<T: FieldType>(
         let mine: Vec<usize> =
             patch.faces.clone().map(|f| (mesh.poly_face[f] >> 1) as usize - whole.start).collect();
         let d = local(&entries[i], factor, whole.len, &mine);
+        let extents = waves.extents(i, poly, mesh, &mine);
         let context = PatchContext {
             patch: &whole.name,
             kind: &whole.kind,
             n_faces: mine.len(),
             n_inner: mesh.n_inner,
             dims,
+            wave: waves.at(i, &extents),
         };
         T::condition(&Reader::new(&d, &silent), &context)
     };

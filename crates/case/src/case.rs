@@ -2,7 +2,7 @@
 
 use crate::config::{ReferenceCell, StartFrom};
 use crate::restart::{WholeState, start_dir};
-use crate::{CaseConfig, CaseError, Notices, figures, meshing, set_fields};
+use crate::{CaseConfig, CaseError, Notices, WaveTable, figures, meshing, set_fields};
 use granflow_base::{Tensor, Vec3, dot, norm, scale, sub, unit};
 use granflow_dict::{Diag, Sink, number};
 use granflow_flow::Gravity;
@@ -61,6 +61,8 @@ pub struct Case {
     pub start: WholeState,
     /// Fields that setFieldsDict or setAlphaFieldDict changed, which are not so on the disk.
     pub fields_set: Vec<String>,
+    /// Waves at its patches.
+    pub waves: WaveTable,
     /// Gravity, split into what p_rgh absorbs and what drives the flow along cyclic directions.
     pub gravity: Gravity,
     /// User's cell and pressure inside (Pa, p or p_rgh) of the reference, if any is needed.
@@ -113,6 +115,8 @@ impl Case {
         if start.step == 0 && !start.restarted {
             fields_set = set_fields::apply(root, &poly, &mesh, &mut start, sink, notices)?;
         }
+        let whole = config.gravity.unwrap_or_default();
+        let waves = WaveTable::read(root, &start, whole, (&poly, &mesh), sink)?;
         let end = options.until.unwrap_or(config.control.end);
         need_time_ahead(&config, options, &start, end, sink);
         let mut case = Case {
@@ -123,6 +127,7 @@ impl Case {
             mesh_made: loaded.made,
             start,
             fields_set,
+            waves,
             gravity,
             reference: None,
             end,
@@ -140,6 +145,11 @@ impl Case {
         if self.start.kinematic() { self.config.transport.rho } else { 1.0 }
     }
 
+    /// What conditions are made for: the patches and their waves.
+    pub fn patches(&self) -> (&PolyMesh, &WaveTable) {
+        (&self.poly, &self.waves)
+    }
+
     fn say(&self, notices: &Notices) {
         if self.start.kinematic() && self.config.transport.rho != 1.0 {
             notices.say(format!(
@@ -155,8 +165,13 @@ impl Case {
         if p.boundary.len() != self.poly.patches.len() {
             return None;
         }
-        let conditions =
-            crate::boundary::conditions::<f64>(&p.boundary, &self.mesh, &self.poly, p.dims, 1.0);
+        let conditions = crate::boundary::conditions::<f64>(
+            &p.boundary,
+            &self.mesh,
+            self.patches(),
+            p.dims,
+            1.0,
+        );
         let fixed = self.mesh.patches.iter().zip(&conditions);
         if fixed.into_iter().any(|(p, c)| !p.faces.is_empty() && c.fixes_value()) {
             return None;

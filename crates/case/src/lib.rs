@@ -28,6 +28,7 @@ pub mod set_fields;
 pub mod store;
 mod superseded;
 mod tensile;
+mod waves;
 mod worker;
 
 pub use case::{Case, From, Options};
@@ -37,3 +38,4 @@ pub use notices::Notices;
 pub use run::{End, Event, Run, StepEvent};
 pub use superseded::{SUPERSEDED, SetAside};
 pub use tensile::Tensile;
+pub use waves::WaveTable;

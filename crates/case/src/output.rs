@@ -134,6 +134,9 @@ pub(crate) fn write_time(
         }
     }
     dir.file_plain("uniform/time", &clock.text(name))?;
+    for (file, text) in case.waves.sheets(&case.poly, name) {
+        dir.file_plain(format!("uniform/{file}"), &text)?;
+    }
     dir.commit()?;
     Ok(())
 }

@@ -116,6 +116,8 @@ pub enum Listing {
     Rheologies,
     /// type of a patch in a field file
     Conditions,
+    /// waveModel of a patch in constant/waveProperties
+    Waves,
     /// words of system/fvSchemes
     Schemes,
     /// solver, preconditioner, smoother in system/fvSolution

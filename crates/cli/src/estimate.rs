@@ -146,8 +146,13 @@ fn granular(case: &Case, grains: &Granular, drives: &[Drive], say: &mut impl FnM
 fn drives(case: &Case) -> (Vec<Drive>, f64) {
     let mesh = &*case.mesh;
     let exec = Exec::serial();
-    let conditions =
-        boundary::conditions::<Vec3>(&case.start.u.boundary, mesh, &case.poly, Dims::VELOCITY, 1.0);
+    let conditions = boundary::conditions::<Vec3>(
+        &case.start.u.boundary,
+        mesh,
+        case.patches(),
+        Dims::VELOCITY,
+        1.0,
+    );
     let mut u = Unknown::new(mesh, "U", Dims::VELOCITY, [0.0; 3], conditions);
     for (c, &user) in mesh.global_cell.iter().enumerate() {
         u.cells.data[c] = case.start.u.cells[user as usize];

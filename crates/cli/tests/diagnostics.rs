@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::{Case, cavity, collapse, dam, granflow, ring, text};
+use common::{Case, cavity, collapse, dam, flume, granflow, ring, text};
 
 /// Runs the bad case and returns what was said about it.
 fn diagnose(case: &Case) -> String {
@@ -277,4 +277,26 @@ fn every_mistake_of_every_file_is_in_one_report() {
         assert!(said.contains(&format!("--> {file}:")), "{file} is not in\n{said}");
     }
     assert!(said.ends_with("errors: nothing was changed\n"), "{said}");
+}
+
+// ---- waveProperties
+const WAVES: &str = "constant/waveProperties";
+
+fn still() -> Case {
+    let mut case = flume();
+    assert!(case.run(&["init", "-q"]).status.success());
+    case.edits.clear();
+    case
+}
+
+bad! {
+    unknown_wave_model: still().edit(WAVES, "StokesI;", "StokesIV;");
+    wave_without_height: still().edit(WAVES, "    waveHeight      0.04;\n", "");
+    wave_without_model: still().edit(WAVES, "    waveModel       StokesI;\n", "");
+    wave_of_another_patch: still().edit(WAVES, "outlet\n", "outflow\n");
+    wave_of_another_phase: still().edit(WAVES, "inlet\n{\n    alpha           alpha.water;", "inlet\n{\n    alpha           alpha.oil;");
+    wave_on_a_negative_depth: still().edit(WAVES, "rampTime        1.5;", "rampTime        1.5;\n    waterDepthRef   -0.4;");
+    wave_higher_than_its_water: still().edit(WAVES, "0.04;", "0.44;");
+    wave_too_long_for_stokes: still().edit(WAVES, "StokesI;", "StokesV;").edit(WAVES, "wavePeriod      1.5;", "wavePeriod      15;");
+    wave_properties_missing: still().remove(WAVES);
 }

@@ -430,7 +430,7 @@ fn a_reader_that_leaves_is_no_error() {
 
 #[test]
 fn lists_are_json_for_programs() {
-    for what in ["rheologies", "conditions", "schemes", "solvers", "functions", "cases"] {
+    for what in ["rheologies", "conditions", "waves", "schemes", "solvers", "functions", "cases"] {
         let out = granflow(&["list", "--json", what]).output().unwrap();
         let all: serde_json::Value = serde_json::from_slice(&out.stdout).unwrap();
         for entry in all.as_array().unwrap() {

@@ -185,8 +185,17 @@ impl Flow {
         let Flow { exec, mesh, state, work: w, gravity, two_phase, .. } = self;
         let grains = two_phase.as_ref().and_then(|t| t.work.grains.as_ref());
         w.friction.press(mesh, &state.p, (&w.rho.data, gravity.hydrostatic), grains);
+        let (mut fraction, mut face_fraction) = (&[][..], &[][..]);
+        if let Some(alpha) = &state.alpha {
+            for f in mesh.n_inner..mesh.n_faces() {
+                w.face_fraction[f - mesh.n_inner] = alpha.boundary_value(mesh, f);
+            }
+            (fraction, face_fraction) = (&alpha.cells.data, &w.face_fraction);
+        }
         let around = Surroundings {
             time: state.time,
+            fraction,
+            face_fraction,
             gravity: gravity.hydrostatic,
             density: &w.rho.data,
             wall_pressure: &w.friction.pressure,

@@ -73,6 +73,8 @@ pub(crate) struct Work {
     pub(crate) compliance: CellField<f64>,
     /// `rho U^2/2` on boundary faces, Pa.
     pub(crate) dynamic_pressure: Vec<f64>,
+    /// Volume fraction of fluid 1 there, where there are two.
+    pub(crate) face_fraction: Vec<f64>,
     pub(crate) reconstruction: Reconstruction,
     /// Sum of the forces at work, from the last momentum residual, N.
     pub(crate) force: f64,
@@ -143,6 +145,7 @@ impl Work {
             p_scratch: FaceField::new(m, "phi'", Dims::VOLUME_FLUX, 0.0),
             compliance: CellField::new(m, "1/(2 eta)", Dims::VISCOSITY.inv(), 0.0),
             dynamic_pressure: vec![0.0; m.n_faces() - m.n_inner],
+            face_fraction: vec![0.0; m.n_faces() - m.n_inner],
             reconstruction: Reconstruction::new(m),
             force: 0.0,
             coupled: Coupled::new(exec, m),

@@ -12,6 +12,7 @@ pub mod operators;
 mod reconstruction;
 mod term;
 mod unknown;
+pub mod waves;
 
 pub use conditions::{Affine, Condition, PatchClosure, PatchView, Surroundings};
 pub use convection::{Convection, defer_to_upwind};

@@ -14,6 +14,8 @@ pub struct Unknown<T> {
     /// Face values in terms of cell values, over all boundary faces.
     pub closure: Affine<T>,
     view_normals: Vec<Vec3>,
+    /// Room for the sums that conditions ask for.
+    totals: Vec<f64>,
 }
 
 impl<T: Differentiable> Unknown<T> {
@@ -27,12 +29,14 @@ impl<T: Differentiable> Unknown<T> {
     ) -> Self {
         debug_assert_eq!(conditions.len(), mesh.patches.len());
         let n = mesh.n_faces() - mesh.n_inner;
+        let totals = conditions.iter().map(|c| c.n_totals()).max().unwrap_or(0);
         let normal = |f: usize| granflow_base::unit(mesh.area[f]);
         Unknown {
             cells: CellField::new(mesh, name, dims, v),
             conditions,
             closure: Affine::zero_gradient(n),
             view_normals: (mesh.n_inner..mesh.n_faces()).map(normal).collect(),
+            totals: vec![0.0; totals],
         }
     }
 
@@ -49,7 +53,7 @@ impl<T: Differentiable> Unknown<T> {
         for (patch, condition) in mesh.patches.iter().zip(&mut self.conditions) {
             let faces = patch.faces.clone();
             let b = faces.start - mesh.n_inner..faces.end - mesh.n_inner;
-            let mut view = PatchView {
+            let mut view: PatchView<'_, T> = PatchView {
                 faces: faces.clone(),
                 inv_dist: &mesh.inv_dist[faces.clone()],
                 area: &mesh.area[faces.clone()],
@@ -59,12 +63,16 @@ impl<T: Differentiable> Unknown<T> {
                 owner_centre: &mesh.cell_centre,
                 cells: &self.cells.data,
                 flux: flux.map(|f| &f.data[faces.clone()]),
-                totals: [0.0; 2],
+                totals: &[],
                 around,
             };
             // A rank that has no faces of the patch takes part in the sums.
-            if let Some(mut totals) = condition.totals(&view) {
-                exec.comm().sum(&mut totals);
+            let n_totals = condition.n_totals();
+            if n_totals > 0 {
+                let totals = &mut self.totals[..n_totals];
+                totals.fill(0.0);
+                condition.totals(&view, totals);
+                exec.comm().sum(totals);
                 view.totals = totals;
             }
             if faces.is_empty() {

@@ -77,6 +77,8 @@ impl Sets {
     }
 
     fn common(r: &Reader<'_>, name: &str) -> Sets {
+        // Of moving meshes.
+        r.ignore("fixedLocations");
         let scheme = [("cell", false), ("cellPoint", true), ("cellPointFace", true)];
         Sets {
             name: name.into(),

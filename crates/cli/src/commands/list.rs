@@ -47,9 +47,10 @@ impl Item {
     }
 }
 
-const EVERYTHING: [Listing; 6] = [
+const EVERYTHING: [Listing; 7] = [
     Listing::Rheologies,
     Listing::Conditions,
+    Listing::Waves,
     Listing::Schemes,
     Listing::Solvers,
     Listing::Functions,
@@ -61,6 +62,7 @@ fn title(what: Listing) -> (&'static str, &'static str) {
     match what {
         Listing::Rheologies => ("rheologies", "transportModel in constant/transportProperties"),
         Listing::Conditions => ("conditions", "type of a patch in a field file"),
+        Listing::Waves => ("waves", "waveModel of a patch in constant/waveProperties"),
         Listing::Schemes => ("schemes", "words of system/fvSchemes"),
         Listing::Solvers => ("solvers", "solver, preconditioner, smoother in system/fvSolution"),
         Listing::Functions => ("functions", "type of a function in system/controlDict"),
@@ -131,6 +133,10 @@ fn items(what: Listing) -> Vec<Item> {
             })
             .collect(),
         Listing::Conditions => granflow_fv::conditions::ALL
+            .iter()
+            .map(|e| Item::new(e.name, e.summary, e.reference))
+            .collect(),
+        Listing::Waves => granflow_fv::waves::ALL
             .iter()
             .map(|e| Item::new(e.name, e.summary, e.reference))
             .collect(),

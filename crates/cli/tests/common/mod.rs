@@ -2,6 +2,8 @@
 
 #![allow(dead_code, clippy::unwrap_used, reason = "each test file uses its part, and may fail")]
 
+mod flume;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -23,6 +25,11 @@ pub(crate) fn cavity() -> Case {
 /// Wedge of an annular cell of 8 cells, nonlocal granular fluidity.
 pub(crate) fn ring() -> Case {
     Case::new(RING)
+}
+
+/// A flume, 4 m long and 0.4 m deep, with small waves from the left for three periods of 1.5 s.
+pub(crate) fn flume() -> Case {
+    Case::new(flume::FLUME)
 }
 
 /// The breaking dam of the catalogue on 16 x 8 cells, for 20 ms.

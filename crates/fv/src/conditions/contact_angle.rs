@@ -87,7 +87,7 @@ mod tests {
             owner_centre: &[[0.0; 3]; 2],
             cells: &[0.5, 0.5],
             flux: None,
-            totals: [0.0; 2],
+            totals: &[],
             around: &around,
         };
         let mut closure = Affine::zero_gradient(2);

@@ -90,7 +90,7 @@ mod tests {
             owner_centre: &[[0.0; 3]; 3],
             cells: &[[0.3, 1.19, 0.0], [0.3, 1.3, 0.4], [0.0, 0.9, 0.0]],
             flux: None,
-            totals: [0.0; 2],
+            totals: &[],
             around: &around,
         };
         let mut closure = Affine::zero_gradient(3);

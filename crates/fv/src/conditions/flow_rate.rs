@@ -13,8 +13,11 @@ impl Condition<Vec3> for FlowRateInlet {
     fn name(&self) -> &'static str {
         "flowRateInletVelocity"
     }
-    fn totals(&self, view: &PatchView<'_, Vec3>) -> Option<[f64; 2]> {
-        Some([view.area.iter().map(|s| norm(*s)).sum(), 0.0])
+    fn n_totals(&self) -> usize {
+        1
+    }
+    fn totals(&self, view: &PatchView<'_, Vec3>, out: &mut [f64]) {
+        out[0] = view.area.iter().map(|s| norm(*s)).sum();
     }
     fn update(&mut self, view: &PatchView<'_, Vec3>, closure: &mut PatchClosure<'_, Vec3>) {
         closure.fix([0.0; 3]);
@@ -45,14 +48,18 @@ impl Condition<Vec3> for FlowRateOutlet {
     fn name(&self) -> &'static str {
         "flowRateOutletVelocity"
     }
-    fn totals(&self, view: &PatchView<'_, Vec3>) -> Option<[f64; 2]> {
-        let area = view.area.iter().map(|s| norm(*s));
-        Some(area.enumerate().fold([0.0; 2], |[whole, out], (i, area)| {
-            [whole + area, out + area * outward(view, i)]
-        }))
+    fn n_totals(&self) -> usize {
+        2
+    }
+    fn totals(&self, view: &PatchView<'_, Vec3>, out: &mut [f64]) {
+        for (i, s) in view.area.iter().enumerate() {
+            let area = norm(*s);
+            out[0] += area;
+            out[1] += area * outward(view, i);
+        }
     }
     fn update(&mut self, view: &PatchView<'_, Vec3>, closure: &mut PatchClosure<'_, Vec3>) {
-        let [area, out] = view.totals;
+        let (area, out) = (view.totals[0], view.totals[1]);
         let rate = self.rate.at(view.around.time);
         let (factor, shift) = match out > 0.5 * rate && out > 0.0 {
             true => (rate / out, 0.0),

@@ -20,6 +20,8 @@ mod registry;
 mod rotating;
 mod slip;
 mod table;
+mod variable_height;
+mod wave;
 
 pub use basic::{FixedGradient, FixedValue, ZeroGradient};
 pub use contact_angle::{ConstantAlphaContactAngle, ContactLimit};
@@ -28,10 +30,12 @@ pub use flow_direction::{InletOutlet, PressureInletOutletVelocity};
 pub use flow_rate::{FlowRateInlet, FlowRateOutlet};
 pub use local_fluidity::LocalFluidity;
 pub use pressure::{FixedFluxPressure, PrghPressure, TotalPressure};
-pub use registry::{ALL, Entry, PatchContext, read_scalar, read_vector};
+pub use registry::{ALL, Entry, PatchContext, WavePatch, read_scalar, read_vector};
 pub use rotating::RotatingWall;
 pub use slip::Slip;
 pub use table::{TimeTable, UniformFixedValue};
+pub use variable_height::{VariableHeightFlowRate, VariableHeightFlowRateInlet};
+pub use wave::{WaveAlpha, WaveVelocity};
 
 use granflow_base::{Value, Vec3};
 use std::ops::Range;
@@ -115,6 +119,10 @@ pub struct Surroundings<'a> {
     pub slid: &'a [Vec3],
     /// Local fluidity over all cells, 1/s (for `localFluidity`).
     pub local_fluidity: &'a [f64],
+    /// Volume fraction of fluid 1 in the cells (for waves); empty with one fluid.
+    pub fraction: &'a [f64],
+    /// The same on all boundary faces; empty with one fluid.
+    pub face_fraction: &'a [f64],
 }
 
 /// What a condition sees of its patch.
@@ -138,7 +146,7 @@ pub struct PatchView<'a, T> {
     /// Outward flux through the faces, where the field is transported.
     pub flux: Option<&'a [f64]>,
     /// What [`Condition::totals`] gave, summed over all ranks.
-    pub totals: [f64; 2],
+    pub totals: &'a [f64],
     /// Everything else.
     pub around: &'a Surroundings<'a>,
 }
@@ -154,11 +162,12 @@ impl<T> PatchView<'_, T> {
 pub trait Condition<T>: Send + Sync {
     /// The name in the field file.
     fn name(&self) -> &'static str;
-    /// Sums over the faces of the patch that [`Self::update`] needs of all ranks together; they come
-    /// back in [`PatchView::totals`].
-    fn totals(&self, _: &PatchView<'_, T>) -> Option<[f64; 2]> {
-        None
+    /// How many sums over the faces of the patch [`Self::update`] needs of all ranks together.
+    fn n_totals(&self) -> usize {
+        0
     }
+    /// Adds the sums of this rank to `out`; those of all ranks come back in [`PatchView::totals`].
+    fn totals(&self, _: &PatchView<'_, T>, _out: &mut [f64]) {}
     /// Fills the closure of the patch.
     fn update(&mut self, view: &PatchView<'_, T>, closure: &mut PatchClosure<'_, T>);
     /// The angle at which an interface meets the wall, through fluid 1, if the condition gives one,

@@ -5,10 +5,12 @@ use super::{
     Condition, ConstantAlphaContactAngle, ContactLimit, CoulombFriction, FixedFluxPressure,
     FixedGradient, FixedValue, FlowRateInlet, FlowRateOutlet, InletOutlet, LocalFluidity,
     OfPatchType, PressureInletOutletVelocity, PrghPressure, RotatingWall, Slip, TimeTable,
-    TotalPressure, UniformFixedValue, ZeroGradient,
+    TotalPressure, UniformFixedValue, VariableHeightFlowRate, VariableHeightFlowRateInlet,
+    WaveAlpha, WaveVelocity, ZeroGradient,
 };
+use crate::waves::{Frame, Source};
 use granflow_base::{Dims, Value, Vec3, norm, unit};
-use granflow_dict::{FieldValue, Reader};
+use granflow_dict::{Dict, FieldValue, Reader, Sink};
 use granflow_mesh::PatchKind;
 
 /// What reading a condition may depend on.
@@ -24,6 +26,30 @@ pub struct PatchContext<'a> {
     pub n_inner: usize,
     /// Dimensions of the field.
     pub dims: Dims,
+    /// Waves at the patch; `None` where there are none, or before the depth of the water is known.
+    pub wave: Option<WavePatch<'a>>,
+}
+
+/// Waves at a patch, checked.
+#[derive(Clone, Copy, Debug)]
+pub struct WavePatch<'a> {
+    /// The patch's entry of `waveProperties`.
+    pub entry: &'a Dict,
+    /// Directions, extent and still water of the whole patch.
+    pub frame: Frame,
+    /// Of the patch's faces the lowest and highest point over the patch's lowest, m.
+    pub spans: &'a [[f64; 2]],
+    /// Their centres, m.
+    pub centres: &'a [Vec3],
+}
+
+impl WavePatch<'_> {
+    /// What the conditions need. Mistakes were reported when the entry was checked.
+    fn source(&self) -> Source {
+        let silent = Sink::new();
+        let r = Reader::new(self.entry, &silent);
+        Source::read(&r, self.frame).on(self.spans.to_vec(), self.centres)
+    }
 }
 
 type ReadScalar = fn(&Reader<'_>, &PatchContext<'_>) -> Box<dyn Condition<f64>>;
@@ -172,6 +198,40 @@ fn rotating_wall(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<Vec3
     let omega = TimeTable::read(r, "omega", Dims::RATE);
     Box::new(RotatingWall { origin, axis: unit(axis), omega })
 }
+fn wave_alpha(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
+    leave_wave(r);
+    Box::new(WaveAlpha { source: c.wave.map(|w| w.source()) })
+}
+fn wave_velocity(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    leave_wave(r);
+    Box::new(WaveVelocity { source: c.wave.map(|w| w.source()) })
+}
+/// What waves are is in `constant/waveProperties`, whatever the condition's name for that is.
+fn leave_wave(r: &Reader<'_>) {
+    leave_value(r);
+    if r.opt_word("waveDictName", "waveProperties") != "waveProperties" {
+        let message = "waves are read from `constant/waveProperties` only";
+        r.error_at_key("waveDictName", message, "another file", None);
+    }
+}
+fn variable_height(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
+    leave_value(r);
+    r.ignore("phi");
+    let lower = r.in_range("lowerBound", Dims::NONE, 0.0..=1.0);
+    let upper = r.in_range("upperBound", Dims::NONE, 0.0..=1.0);
+    if lower > upper {
+        let message = "the lower bound is above the upper one";
+        r.error_at_key("lowerBound", message, "above `upperBound`", None);
+    }
+    Box::new(VariableHeightFlowRate { lower, upper })
+}
+fn variable_height_inlet(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    leave_value(r);
+    // The name of the volume fraction, of which there is one.
+    r.ignore("alpha");
+    let rate = TimeTable::read(r, "flowRate", Dims::VOLUME_FLUX);
+    Box::new(VariableHeightFlowRateInlet { rate, n_inner: c.n_inner })
+}
 
 /// Every condition, by its OpenFOAM name.
 pub const ALL: &[Entry] = &[
@@ -283,6 +343,38 @@ pub const ALL: &[Entry] = &[
         reference: "OpenFOAM user guide, boundary conditions",
         scalar: None,
         vector: Some(flow_rate_outlet),
+    },
+    Entry {
+        name: "variableHeightFlowRate",
+        summary: "of a volume fraction: the value of the cell, kept within bounds, so that the level at \
+                  the patch is that of the water behind it",
+        reference: "OpenFOAM user guide, boundary conditions",
+        scalar: Some(variable_height),
+        vector: None,
+    },
+    Entry {
+        name: "variableHeightFlowRateInletVelocity",
+        summary: "inflow of a given volume per second through the part of the patch that the first \
+                  fluid fills, constant or a table against time",
+        reference: "OpenFOAM user guide, boundary conditions",
+        scalar: None,
+        vector: Some(variable_height_inlet),
+    },
+    Entry {
+        name: "waveAlpha",
+        summary: "of a volume fraction: the share of each face under the surface of the wave that \
+                  `constant/waveProperties` gives for the patch",
+        reference: "P. Higuera, J. L. Lara, I. J. Losada, Coastal Eng. 71 (2013) 102",
+        scalar: Some(wave_alpha),
+        vector: None,
+    },
+    Entry {
+        name: "waveVelocity",
+        summary: "the velocity of the wave that `constant/waveProperties` gives for the patch, and \
+                  absorption of what arrives",
+        reference: "P. Higuera, J. L. Lara, I. J. Losada, Coastal Eng. 71 (2013) 102",
+        scalar: None,
+        vector: Some(wave_velocity),
     },
     Entry {
         name: "noSlip",
