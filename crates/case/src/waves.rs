@@ -16,6 +16,10 @@ use std::path::Path;
 
 const FILE: &str = "constant/waveProperties";
 const DEPTH: &str = "waterDepthRef";
+/// Another name for it.
+const DEPTH_TOO: &str = "waterDepth";
+/// The condition that lets in as much as there is of fluid 1.
+const OF_HEIGHT: &str = "variableHeightFlowRateInletVelocity";
 
 /// The waves of one patch.
 struct Waves {
@@ -54,6 +58,13 @@ impl WaveTable {
             .filter(|&p| asks(&start.u.boundary, "waveVelocity", p) || asks(alpha, "waveAlpha", p))
             .collect();
         let mut table = WaveTable::default();
+        if start.alpha.is_none() {
+            let of_height = |d: &&Dict| d.word("type") == Some(OF_HEIGHT);
+            for entry in start.u.boundary.iter().filter(of_height) {
+                let message = format!("`{OF_HEIGHT}` needs two phases");
+                Reader::new(entry, sink).error_at_key("type", message, "the case has one", None);
+            }
+        }
         if wanted.is_empty() {
             return Ok(table);
         }
@@ -89,12 +100,21 @@ impl WaveTable {
                 sink.push(Diag::file(path.clone(), message).help(help));
                 continue;
             };
-            frame.depth = match stored(root, &start.dir, &patch.name, sink)? {
-                Some(depth) => depth,
-                None if r.has(DEPTH) => r.positive(DEPTH, Dims::LENGTH),
-                None => frame.level(wet_share(p, &field.cells, mesh)),
+            let given = [DEPTH, DEPTH_TOO].into_iter().find(|key| r.has(key));
+            frame.depth = match given {
+                // What the user says counts before what an earlier run measured.
+                Some(key) => r.positive(key, Dims::LENGTH),
+                None => match stored(root, &start.dir, &patch.name, sink)? {
+                    Some(depth) => depth,
+                    None => frame.level(wet_share(p, &field.cells, mesh)),
+                },
             };
-            if r.has(DEPTH) && (frame.depth <= 0.0 || frame.depth.is_nan()) {
+            if r.opt_non_negative("initialDepth", Dims::LENGTH, 0.0) > 0.0 {
+                let message = "a depth that is added to what is measured is not there";
+                let help = "give the depth of still water as `waterDepthRef`";
+                r.error_at_key("initialDepth", message, "not 0", Some(help));
+            }
+            if given.is_some() && (frame.depth <= 0.0 || frame.depth.is_nan()) {
                 continue;
             }
             if frame.depth <= 0.0 {

@@ -71,6 +71,7 @@ bad! {
     unknown_write_control: cavity().edit(CONTROL, "timeStep", "timestep");
     unknown_function: ring().edit(CONTROL, "type    forces;", "type    force;");
     function_on_no_patch: ring().edit(CONTROL, "patches (inner);", "patches (iner);");
+    function_on_an_empty_patch: cavity().edit(CONTROL, "startTime       0;", "startTime 0; functions { most { type surfaceFieldValue; regionType patch; name sides; operation max; fields (p); } }");
     function_on_no_field: ring().edit(CONTROL, "fields  (U fluidity);", "fields  (U fluidty);");
     no_such_start: cavity().edit(CONTROL, "startTime       0;", "startTime       3;");
     no_such_start_of_a_mapped_case: cavity()
@@ -107,6 +108,7 @@ bad! {
 bad! {
     missing_field: cavity().remove("0/U");
     wrong_dimensions: cavity().edit("0/U", "[0 1 -1 0 0 0 0]", "[0 1 -2 0 0 0 0]");
+    height_of_one_phase: cavity().edit("0/U", "type        fixedValue;\n        value       uniform (1 0 0);", "type variableHeightFlowRateInletVelocity; flowRate 0.01; alpha alpha.water;");
     wrong_class: cavity().edit("0/U", "volVectorField", "volScalarField");
     unknown_condition: cavity().edit("0/U", "noSlip", "noSlipp");
     scalar_condition_on_vector: cavity().edit("0/U", "noSlip", "fixedFluxPressure");
@@ -169,6 +171,7 @@ bad! {
     phase_misspelt_in_the_list: dam().edit(TRANSPORT, "phases (water air);", "phases (water aire);");
     phase_without_dictionary: dam().edit(TRANSPORT, "phases (water air);", "phases (water methane);");
     grains_after_their_fluid: collapse().edit(TRANSPORT, "(grains air)", "(air grains)");
+    air_without_viscosity: collapse().edit(TRANSPORT, "nu             1.5e-5;", "nu             0;");
     phase_without_density: dam().edit(TRANSPORT, "    rho             1000;\n", "");
     backward_with_two_phases: dam().edit(SCHEMES, "default Euler", "default backward");
     unknown_reconstruction: dam().edit(SOLUTION, "nAlphaCorr      2;", "reconstructionScheme plicRdf; nAlphaCorr 0;");

@@ -159,7 +159,7 @@ impl Flow {
                     Some(_) => SHARED * between(mesh, cell_rate, f) + (1.0 - SHARED) * own_rate[f],
                     None => own_rate[f],
                 }
-                .max(least(1.0 / mesh.inv_dist[f]));
+                .max(least(if f < mesh.n_inner { 1.0 } else { 2.0 } / mesh.inv_dist[f]));
                 let (here, x) = (mesh.owner[f] as usize, mesh.face_centre[f]);
                 let weight = density[here] * dot(gravity.hydrostatic, x);
                 pressure[i] = match (mesh.neighbour.get(f), grains) {
@@ -267,7 +267,9 @@ impl Newton {
         mesh.halo.update(exec, d_rate);
         let d_rate = &*d_rate;
         let (rate, slopes, response) = (&self.rate, &self.slopes, &self.response);
-        let softest = self.stiffness - 1.0;
+        // Without one the slope is the law's, whatever it is.
+        let least = self.stiffness;
+        let softest = if least > 0.0 { least - 1.0 } else { f64::NEG_INFINITY };
         exec.for_each(&mut stress.data, |first, out| {
             for (i, t) in out.iter_mut().enumerate() {
                 let f = first + i;
@@ -290,7 +292,8 @@ impl Newton {
                 };
                 let mut d_ln_eta = of_pressure * dp;
                 if of_rate != 0.0 {
-                    d_ln_eta += of_rate.max(softest) * change / rate[f];
+                    let of_rate = if of_rate < softest { softest } else { of_rate };
+                    d_ln_eta += of_rate * change / rate[f];
                 }
                 *t = t.axpy(d_ln_eta * response[f], apply(&self.face_strain[f], mesh.area[f]));
             }

@@ -330,11 +330,13 @@ impl LinearSolve {
     /// Incomplete factorisation takes the more iterations the finer the mesh is; one cycle of multigrid
     /// takes the same few, and is ahead from a few hundred cells on.
     fn precondition_with_multigrid(&mut self, name: &str, notices: &Notices) {
-        let given = self.spec.preconditioner.as_deref().unwrap_or("DIC");
-        if self.spec.solver == "PCG" && matches!(given, "DIC" | "FDIC" | "DILU") {
-            notices.say(format!(
-                "fvSolution: `{given}` for `{name}` is served by a cycle of `GAMG`, to the same tolerance"
-            ));
+        let given = self.spec.preconditioner.as_deref();
+        if self.spec.solver == "PCG" && matches!(given, None | Some("DIC" | "FDIC" | "DILU")) {
+            if let Some(given) = given {
+                notices.say(format!(
+                    "fvSolution: `{given}` for `{name}` is served by a cycle of `GAMG`, to the same tolerance"
+                ));
+            }
             self.spec.preconditioner = Some("GAMG".into());
         }
     }
@@ -383,6 +385,10 @@ fn solver_spec(r: &Reader<'_>, notices: &Notices) -> SolverSpec {
     }
     let words = [Some(&spec.solver), spec.preconditioner.as_ref(), spec.smoother.as_ref()];
     for word in words.into_iter().flatten() {
+        // What PCG is for takes multigrid instead, and that is said there.
+        if spec.solver == "PCG" && word == "FDIC" {
+            continue;
+        }
         let entry = ALL.iter().find(|e| e.name == word && e.mapped_onto.is_some());
         if let Some((name, onto)) = entry.and_then(|e| Some((e.name, e.mapped_onto?))) {
             notices.say(format!("fvSolution: `{name}` is served by `{onto}`"));

@@ -158,6 +158,15 @@ impl Transport {
         };
         let (one, two) = (phase(first), phase(second));
         let granular = one.grains.is_some();
+        if granular
+            && let Some(at) = r.opt_sub(second)
+            && at.dict().number("nu") == Some(0.0)
+        {
+            let message = "grains need a fluid with a viscosity beside them";
+            let help =
+                "without one nothing resists where grains thin out; that of air is 1.5e-5 m2/s";
+            at.error_at_key("nu", message, "none", Some(help));
+        }
         let usual = if granular { Mixing::Harmonic } else { Mixing::Arithmetic };
         let mixing = r.opt_one_of("mixing", Mixing::ALL, usual);
         let pores =

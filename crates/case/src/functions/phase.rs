@@ -70,7 +70,8 @@ fn reach(view: &View<'_>, alpha: &[f64], k: usize, sign: f64) -> f64 {
     view.exec.max(mesh.n_faces(), |r| r.map(at).fold(f64::NEG_INFINITY, f64::max))
 }
 
-/// What leaves through the boundary less what enters, m3/s.
+/// What leaves through the boundary less what enters, m3/s, with the flow as the step ends: what the volume
+/// loses in the next step.
 fn outflow(view: &View<'_>, alpha: &Unknown<f64>) -> f64 {
     let (mesh, first) = (view.mesh, view.mesh.n_inner);
     let leaves = |b: usize| view.phi[first + b] * alpha.boundary_value(mesh, first + b);
@@ -88,13 +89,14 @@ impl Function for Phase {
         let m = moments(view, alpha);
         let mut row = vec![m[0]];
         row.extend(m[1..].iter().map(|x| if m[0] > 0.0 { x / m[0] } else { 0.0 }));
+        let n = view.mesh.n_cells;
+        let half_full = view.exec.max(n, |r| r.map(|c| alpha[c]).fold(0.0, f64::max)) >= 0.5;
         for k in 0..3 {
             for (side, sign) in [-1.0, 1.0].into_iter().enumerate() {
                 // There are no faces on empty patches.
-                let whole = !view.mesh.solved_dirs[k] && m[0] > 0.0;
-                let x = match whole {
-                    true => view.mesh.extent[k][side],
-                    false => sign * reach(view, alpha, k, sign),
+                let x = match view.mesh.solved_dirs[k] {
+                    false if half_full => view.mesh.extent[k][side],
+                    _ => sign * reach(view, alpha, k, sign),
                 };
                 row.push(if x.is_finite() { x } else { 0.0 });
             }

@@ -5,7 +5,7 @@ use super::{Entry, Function, Plan, Quantity, View, Written, columns};
 use crate::CaseConfig;
 use granflow_base::{Vec3, add, scale};
 use granflow_dict::{Diag, Reader, Sink, Span, nearest, number};
-use granflow_mesh::Mesh;
+use granflow_mesh::{Mesh, PatchKind};
 use granflow_par::Exec;
 
 pub(super) const ENTRY: Entry = Entry {
@@ -136,6 +136,11 @@ impl Plan for SurfaceFieldValue {
             );
             let message = format!("the mesh has no patch `{}`", self.patch);
             sink.push(Diag::error(&self.patch_span, message).label("no such patch").help(help));
+        }
+        if mesh.patches.iter().any(|p| p.name == self.patch && p.kind == PatchKind::Empty) {
+            let message = format!("nothing passes patch `{}`: it is empty", self.patch);
+            let help = "choose a patch of the directions that are solved for";
+            sink.push(Diag::error(&self.patch_span, message).label("of type empty").help(help));
         }
         for (name, field) in &self.fields {
             let why = match field {

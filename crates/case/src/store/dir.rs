@@ -309,8 +309,8 @@ pub fn write_atomic_on(disk: &dyn Disk, path: &Path, bytes: &[u8]) -> Result<(),
     put_aside_first(disk, path, bytes, true)
 }
 
-/// Writes a single file aside and renames it: whoever reads finds all of it or none, but a power
-/// failure may undo it. For samples of every step, which waiting for the disk would make costly.
+/// Writes a single file aside and renames it: whoever reads finds all of it or none. A power failure may
+/// undo it or leave it short. For samples of every step, which waiting for the disk would make costly.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), StoreError> {
     put_aside_first(&RealDisk, path, bytes, false)
 }

@@ -37,7 +37,7 @@ impl Source {
                 None
             }
         };
-        for key in ["U", "alpha", "waterDepthRef"] {
+        for key in ["U", "alpha", "waterDepthRef", "waterDepth"] {
             r.ignore(key);
         }
         let paddles = r.opt_label_in("nPaddle", 1..=PADDLES, 1) as usize;
@@ -121,7 +121,10 @@ impl Source {
     /// The share of face `i` that is under the wave's surface at the time of [`Self::advance`].
     pub fn wet(&self, i: usize) -> f64 {
         let [low, high] = self.spans[i];
-        ((self.levels[self.paddle(i)] - low) / (high - low)).clamp(0.0, 1.0)
+        let above = self.levels[self.paddle(i)] - low;
+        // A face that lies flat is wet or dry.
+        let height = (high - low).max(f64::MIN_POSITIVE);
+        (above / height).clamp(0.0, 1.0)
     }
 
     /// Velocity on face `i`, m/s: the wave's in the middle of what is wet, over the whole face.

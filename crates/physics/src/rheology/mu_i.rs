@@ -149,7 +149,7 @@ pub struct MuIRegularised {
 pub(super) const ENTRY_REGULARISED: Entry = Entry {
     name: "muIRegularised",
     summary: "mu(I) made well posed: a creep branch below, a linear one above",
-    formula: "mu = sqrt(alpha/ln(A/I)) for I <= I1, else (mus I0 + mu2 I + muInf I^2)/(I0 + I)",
+    formula: "mu = sqrt(alpha/ln(A/I)) for I <= I1, else (mus I0 + mu2 I + muInf I^2)/(I0 + I); limits as of muI",
     reference: "T. Barker, J. M. N. T. Gray, J. Fluid Mech. 828 (2017) 5",
     read: |r, _| {
         let grains = Granular::read(r);
