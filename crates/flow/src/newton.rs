@@ -33,9 +33,9 @@ const SHARED: f64 = 0.1;
 /// Least share of a material's stiffness that Newton's method gives it along its flow. A material that
 /// yields without hardening has none there; where all of a body yields, only inertia resists, and the
 /// linear problem is not solved. With a share that the law does not have the error of a pass does not
-/// vanish, but falls to a share of itself. Beside another fluid grains begin with
+/// vanish, but falls to a share of itself. This is where grains beside another fluid begin; elsewhere there is none.
 const LEAST_STIFFNESS: f64 = 0.05;
-/// of it, elsewhere with none. It doubles whenever a linear problem keeps more than this of its residual.
+/// Share of its residual that a linear problem keeps from which on the stiffness doubles.
 const STALLED: f64 = 0.5;
 
 /// Scratch of the method.
@@ -44,7 +44,7 @@ pub(crate) struct Newton {
     pub(crate) active: bool,
     /// Whether the last step of Newton's method was refused.
     pub(crate) refused: bool,
-    /// Least share of stiffness along the flow, [`LEAST_STIFFNESS`] or more, or none.
+    /// Least share of stiffness along the flow, [`LEAST_STIFFNESS`] or more, or 0.
     stiffness: f64,
     /// Twice the strain rate tensor of the cells and the shares of their faces in it.
     twice_strain: Vec<Tensor>,
@@ -190,9 +190,10 @@ impl Flow {
         w.newton.p.copy_from_slice(&state.p.cells.data);
         let solved = self.solve_coupled(dt, wanted)?;
         let (start, mut share) = (solved[0].first, 1.0);
+        let stiffness = &mut self.work.newton.stiffness;
         if solved[0].last > STALLED * start {
-            let stiffness = &mut self.work.newton.stiffness;
-            *stiffness = (2.0 * *stiffness).clamp(LEAST_STIFFNESS, 1.0);
+            // Elsewhere there is none to double: `bagnold` would not converge from rest.
+            *stiffness = (2.0 * *stiffness).min(1.0);
         }
         for _ in 0..=HALVINGS {
             if self.imbalance_of_state(dt)? <= (1.0 - ENOUGH * share) * start {
