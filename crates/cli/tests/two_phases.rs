@@ -116,8 +116,7 @@ fn ranks_agree_with_one() {
     }
 }
 
-/// All of a tank yields at once, and what yields along its flow has no stiffness there: Newton's method alone
-/// does not converge in any of these steps.
+/// What leaves through the opening is what the tank loses.
 #[test]
 fn a_silo_begins_to_empty() {
     let dir = tempfile::tempdir().unwrap();
