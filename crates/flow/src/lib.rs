@@ -2,6 +2,7 @@
 //! viscosity.
 
 mod anderson;
+mod coarse_cells;
 mod coupled;
 mod failure;
 mod free_fall;

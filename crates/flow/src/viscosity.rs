@@ -146,6 +146,7 @@ impl Flow {
                 };
             }
         });
+        self.mean_viscosity_where_coarse();
     }
 
     /// Takes `eta_new` in cells and on faces, but leaves the logarithms where the pass began.
@@ -293,7 +294,7 @@ pub(crate) fn strain_rate_of(exec: &Exec, gradient: &[Tensor], out: &mut [f64]) 
 
 /// Weight of the neighbour `cells[1]` in a mean of what only the material in the cells has, `weight` where
 /// both are full of it: by how much each holds.
-fn weight_beyond(share: Option<&[f64]>, cells: [usize; 2], weight: f64) -> f64 {
+pub(crate) fn weight_beyond(share: Option<&[f64]>, cells: [usize; 2], weight: f64) -> f64 {
     let Some(share) = share else { return weight };
     let [o, n] = cells.map(|c| share[c]);
     match o == n {

@@ -83,9 +83,9 @@ fn pressure_between_grains_is_measured_from_their_surface() {
     }
 }
 
-/// A column that gives way from rest, nothing known of the pressure: with mu(I) every step converges. The
-/// fluidity of NGF may still creep in cells that grains fill in part when the passes are used up; the flow
-/// does not hear of it.
+/// A column that gives way from rest, nothing known of the pressure: with mu(I) every step converges. So it
+/// does with NGF, whose cells are three grains long here, but for single cells right at mu_s where the passes end with
+/// the viscosity known to 1e-4.
 #[test]
 fn a_column_gives_way_with_every_model_and_mixing() {
     let poly = box_of_12();
@@ -98,13 +98,17 @@ fn a_column_gives_way_with_every_model_and_mixing() {
                 |f: &Flow| -> f64 { alpha(f).iter().zip(&f.mesh.volume).map(|(a, v)| a * v).sum() };
             let before = volume(&flow);
             let local = flow.fluid.rheology.is_local();
+            let mut missed = 0;
             for step in 0..12 {
                 let report = flow.step(2e-3).expect("a step");
                 let now = report.residuals;
                 println!("{name}, local {local}, {step}: {} {now:?}", report.converged);
                 assert!(report.converged || !local, "{name}, {step}: {now:?}");
-                assert!(now.u < 5e-3 && now.p < 1e-6, "{name}, {step}: {now:?}");
+                assert!(now.u < 1e-6 && now.p < 1e-6, "{name}, {step}: {now:?}");
+                assert!(now.viscosity < 1e-3, "{name}, {step}: {now:?}");
+                missed += usize::from(!report.converged);
             }
+            assert!(missed <= 2, "{name}: {missed} steps");
             assert!((volume(&flow) / before - 1.0).abs() < 1e-12, "{name}");
             // Where it began to fall it does so slower than freely: the mean over all grains.
             let (mesh, a, u) = (&flow.mesh, alpha(&flow), &flow.state.u.cells.data);
