@@ -8,7 +8,6 @@
 //! its share in the stress; in flows that the mesh resolves the two differ by the square of the cell's length.
 
 use crate::Flow;
-use crate::viscosity::weight_beyond;
 use granflow_base::{norm, sub};
 use granflow_mesh::Mesh;
 
@@ -27,34 +26,27 @@ impl Flow {
     /// Takes `work.strain_rate` from the cells' own viscosity to the faces' where cells are coarse.
     pub(crate) fn mean_viscosity_where_coarse(&mut self) {
         let Flow { exec, mesh, work: w, state, two_phase, fluid, .. } = self;
-        let Some(grains) = fluid.rheology.grains() else { return };
-        let share = two_phase.as_ref().and_then(|t| t.share());
-        let (eta, eta_f, u, pressure) = (&w.eta.data, &w.eta_f.data, &state.u, &w.pressure);
-        let (d, loose) = (grains.d, grains.loose());
-        // ln(g_b/g_a), with g = P/eta.
-        let fluidity_ratio = |b: usize, a: usize| {
-            (pressure[b].max(loose) * eta[a] / (pressure[a].max(loose) * eta[b])).ln()
-        };
+        let Some(material) = fluid.rheology.grains() else { return };
+        let grains = two_phase.as_ref().and_then(|t| t.work.grains.as_ref());
+        let (eta, eta_f, u) = (&w.eta.data, &w.eta_f.data, &state.u);
         exec.for_each(&mut w.strain_rate[..mesh.n_cells], |first, out| {
             for (i, rate) in out.iter_mut().enumerate() {
                 let c = first + i;
+                let own = grains.map_or(eta[c], |g| g.viscosity_of_rate(c, eta[c]));
                 let (mut ln_ratio, mut weights) = (0.0, 0.0);
                 for (f, sign) in mesh.faces_of(c) {
-                    let (beyond, other) = match mesh.neighbour.get(f) {
-                        None => (u.boundary_value(mesh, f), None),
+                    let (beyond, coarse) = match mesh.neighbour.get(f) {
+                        None => (u.boundary_value(mesh, f), 0.0),
                         Some(&n) => {
                             let n = if sign > 0.0 { n } else { mesh.owner[f] } as usize;
-                            (u.cells.data[n], Some(n))
+                            (u.cells.data[n], coarseness(mesh, f, material.d))
                         }
                     };
                     let across = norm(sub(beyond, u.cells.data[c])) * mesh.inv_dist[f];
                     let weight = (eta_f[f] * across * mesh.mag_area[f]).powi(2);
                     weights += weight;
-                    let (Some(n), coarse) = (other, coarseness(mesh, f, d)) else { continue };
-                    let beyond = if sign > 0.0 { 1.0 - mesh.weight[f] } else { mesh.weight[f] };
-                    let beyond = weight_beyond(share, [c, n], beyond);
-                    if coarse * beyond * weight > 0.0 {
-                        ln_ratio += weight * coarse * beyond * fluidity_ratio(n, c);
+                    if coarse * weight > 0.0 {
+                        ln_ratio += weight * coarse * (own / eta_f[f]).ln();
                     }
                 }
                 if ln_ratio != 0.0 {

@@ -72,6 +72,9 @@ impl Flow {
                 .update(&view, &mut w.eta)
                 .map_err(|source| StepError::Rheology { time, source })?;
         }
+        if let Some(grains) = two_phase.as_ref().and_then(|t| t.work.grains.as_ref()) {
+            grains.lend_viscosity(exec, &mut w.eta.data[..n]);
+        }
         if self.has_newton() {
             self.evaluate_law_on_faces();
         }
@@ -118,7 +121,10 @@ impl Flow {
         if self.has_newton() {
             self.evaluate_law_on_faces();
         }
-        let Flow { exec, work: w, .. } = self;
+        let Flow { exec, work: w, two_phase, .. } = self;
+        if let Some(grains) = two_phase.as_ref().and_then(|t| t.work.grains.as_ref()) {
+            grains.lend_viscosity(exec, &mut w.eta_new.data[..n]);
+        }
         let eta_new = &w.eta_new.data;
         exec.for_each(&mut w.g_of_y, |first, y| {
             y.iter_mut().enumerate().for_each(|(i, y)| *y = eta_new[first + i].max(LEAST).ln());

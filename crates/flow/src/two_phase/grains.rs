@@ -73,10 +73,26 @@ impl Grains {
     /// the same stress.
     #[inline]
     pub(crate) fn rate(&self, c: usize, stress: f64, eta_1: f64) -> f64 {
+        stress / self.viscosity_of_rate(c, eta_1)
+    }
+
+    /// The viscosity that [`Self::rate`] divides by.
+    #[inline]
+    pub(crate) fn viscosity_of_rate(&self, c: usize, eta_1: f64) -> f64 {
         match self.mixing {
-            Mixing::Harmonic if !sparse(self.share[c]) => stress / eta_1,
-            _ => stress / self.eta[c],
+            Mixing::Harmonic if !sparse(self.share[c]) => eta_1,
+            _ => self.eta[c],
         }
+    }
+
+    /// Grains out of contact move with the fluid between them: `eta_1` of the cells is no less than its.
+    pub(crate) fn lend_viscosity(&self, exec: &Exec, eta_1: &mut [f64]) {
+        let eta_2 = &self.eta_2.data;
+        exec.for_each(eta_1, |first, eta| {
+            for (i, eta) in eta.iter_mut().enumerate() {
+                *eta = eta.max(eta_2[first + i]);
+            }
+        });
     }
 
     /// Change of ln(viscosity) of the mixture in cell `c` when that of the grains goes from `old` to `new`.

@@ -104,6 +104,7 @@ pub trait LocalLaw: Send + Sync {
 }
 
 /// What a rheology may read, spelled out: there is no registry to look fields up in.
+#[derive(Clone, Copy)]
 pub struct FlowView<'a> {
     /// Threads and ranks.
     pub exec: &'a Exec,

@@ -78,6 +78,8 @@ pub struct Ngf {
     fit: InnerFit,
     mu: Vec<f64>,
     spread: Vec<f64>,
+    /// Share of the cells and ghosts that grains in contact have.
+    touching: Vec<f64>,
 }
 
 pub(super) const ENTRY: Entry = Entry {
@@ -196,6 +198,7 @@ impl Ngf {
             fit: InnerFit::new(mesh),
             mu: vec![0.0; all],
             spread: vec![0.0; n],
+            touching: vec![0.0; all],
         }
     }
 
@@ -465,14 +468,31 @@ impl Ngf {
         });
     }
 
-    /// Viscosity, paper eq. 1: `eta = P/g`; none where there are no grains.
+    /// Beside another fluid, grains under no pressure are out of contact: they carry no stress, have no
+    /// fluidity, and what is in contact ends at them. (Their stress ratio is what a floor on the pressure makes of it,
+    /// and where it comes to lie above mu_s beside faster grains, the equation at a given rate has no
+    /// solution near by.) `touching` is filled with the share of the others.
+    fn part<'a>(&self, v: &FlowView<'a>, touching: &'a mut [f64]) -> FlowView<'a> {
+        let Some(share) = v.share else { return *v };
+        let (pressure, loose) = (v.pressure, self.law.grains.loose());
+        v.exec.for_each(touching, |first, out| {
+            for (i, share_of) in out.iter_mut().enumerate() {
+                let c = first + i;
+                *share_of = if pressure[c] > loose { share.now[c] } else { 0.0 };
+            }
+        });
+        FlowView { share: Some(Share { now: touching, ..share }), ..*v }
+    }
+
+    /// Viscosity, paper eq. 1: `eta = P/g`; none where there are no grains in contact.
     fn viscosity(&self, v: &FlowView<'_>, eta: &mut CellField<f64>) {
         let (g, loose, pressure) = (&self.g.cells.data, self.law.grains.loose(), v.pressure);
         let least = self.law.grains.floors.fluidity * f64::EPSILON;
         v.exec.for_each(&mut eta.data[..v.mesh.n_cells], |first, out| {
             for (i, eta) in out.iter_mut().enumerate() {
                 let c = first + i;
-                *eta = if v.has(c) { pressure[c].max(loose) / g[c].max(least) } else { 0.0 };
+                let there = v.has(c) && (v.share.is_none() || g[c] > 0.0);
+                *eta = if there { pressure[c].max(loose) / g[c].max(least) } else { 0.0 };
             }
         });
     }
@@ -497,15 +517,18 @@ impl Rheology for Ngf {
         // them rigid for as long as dt is less than t0.)
         let first = !self.known && !self.remembers;
         let v = &FlowView { dt: if first { f64::INFINITY } else { v.dt }, ..*v };
-        self.prepare(v)?;
-        let mut info = self.newton(v)?;
+        let mut touching = std::mem::take(&mut self.touching);
+        let part = &self.part(v, &mut touching);
+        let info = self.prepare(part).and_then(|()| self.newton(part));
         if first {
             self.g_old.copy_from_slice(&self.g.cells.data);
         }
-        self.leave_the_rest(v);
-        info.beyond = beyond(v, &self.law.grains);
+        self.leave_the_rest(part);
+        self.viscosity(part, eta);
+        self.touching = touching;
         self.known = true;
-        self.viscosity(v, eta);
+        let mut info = info?;
+        info.beyond = beyond(v, &self.law.grains);
         Ok(info)
     }
     fn begin_step(&mut self) {
@@ -531,7 +554,10 @@ impl Rheology for Ngf {
         self.known |= of_all[0] > 0.0 && of_all[1] <= 0.0;
         if self.known {
             self.reach_new_cells(v);
-            self.viscosity(v, eta);
+            let mut touching = std::mem::take(&mut self.touching);
+            let part = &self.part(v, &mut touching);
+            self.viscosity(part, eta);
+            self.touching = touching;
         }
         self.known
     }
