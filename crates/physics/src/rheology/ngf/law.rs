@@ -42,8 +42,10 @@ impl Granular {
 pub(super) struct Local {
     /// The sum of the terms.
     pub(super) k: f64,
-    /// Its derivative with respect to g.
+    /// Its derivative with respect to g at frozen strain rate,
     pub(super) slope: f64,
+    /// and to ln(strain rate) at frozen g.
+    pub(super) of_rate: f64,
     /// The sum of their magnitudes.
     pub(super) size: f64,
     /// Imbalance of the whole equation over the size of its terms.
@@ -52,13 +54,15 @@ pub(super) struct Local {
 
 impl Local {
     /// Where there are no grains: an equation whose solution does not matter.
-    pub(super) const NOTHING: Local = Local { k: 0.0, slope: 1.0, size: 1.0, imbalance: 0.0 };
+    pub(super) const NOTHING: Local =
+        Local { k: 0.0, slope: 1.0, of_rate: 0.0, size: 1.0, imbalance: 0.0 };
 
     /// The terms of this share of a cell.
     pub(super) fn scaled(self, share: f64) -> Local {
         Local {
             k: share * self.k,
             slope: share * self.slope,
+            of_rate: share * self.of_rate,
             size: share * self.size,
             imbalance: self.imbalance,
         }
@@ -99,6 +103,7 @@ impl Law {
         Local {
             k: 0.5 * (low.k + high.k),
             slope: 0.5 * (low.slope + high.slope),
+            of_rate: 0.5 * (low.of_rate + high.of_rate),
             size: 0.5 * (low.size + high.size),
             imbalance: 0.0,
         }
@@ -118,30 +123,32 @@ impl Law {
         // Iterates keep mu below mu_2; the floor only guards the last digits there.
         let w = (mu_2 - mu).max(1e-12 * mu_2);
         let x = mu - mu_s;
-        let (k, slope, size) = match self.form {
+        let (k, slope, of_rate, size) = match self.form {
             Form::Steady => {
                 let sink = dmu * x.abs() * g / w;
-                let sink_slope = dmu * (x.abs() / w - mu * (x.signum() / w + x.abs() / (w * w)));
+                let sink_of_rate = dmu * g * mu * (x.signum() / w + x.abs() / (w * w));
                 let xp = x.max(0.0);
                 let h = xp * xp / (mu * w * w);
                 let h_slope = 2.0 * xp / (mu * w * w) - h / mu + 2.0 * h / w;
                 let source = dmu * i0 * r * h;
-                let source_slope = -dmu * i0 * r * h_slope * mu / g;
-                (sink - source, sink_slope - source_slope, sink + source)
+                let of_rate = sink_of_rate - dmu * i0 * r * h_slope * mu;
+                (sink - source, (sink - of_rate) / g, of_rate, sink + source)
             }
             Form::Primitive { t0 } => {
                 let memory = t0 / dt;
                 let growth = dmu * x * g / w;
-                let growth_slope = dmu * (x / w - mu * (1.0 / w + x / (w * w)));
+                let growth_of_rate = dmu * g * mu * (1.0 / w + x / (w * w));
                 let damping = dmu / i0 * rate / r;
                 (
                     memory * (g - g_old) - growth + damping * g,
-                    memory - growth_slope + damping,
+                    memory - (growth - growth_of_rate) / g + damping,
+                    damping * g - growth_of_rate,
                     memory * (g + g_old) + growth.abs() + damping * g,
                 )
             }
         };
-        Local { k: scale * k, slope: scale * slope, size: scale * size, imbalance: 0.0 }
+        let [k, slope, of_rate, size] = [k, slope, of_rate, size].map(|term| scale * term);
+        Local { k, slope, of_rate, size, imbalance: 0.0 }
     }
 }
 
@@ -203,7 +210,7 @@ mod tests {
     }
 
     proptest! {
-        /// The slope is the derivative with respect to g at frozen strain rate.
+        /// The slopes are the derivatives with respect to g and to ln(strain rate).
         #[test]
         fn slopes_are_derivatives(
             mu in 0.05f64..0.62, rate in 1e-4f64..10.0, primitive in any::<bool>()
@@ -217,6 +224,10 @@ mod tests {
             let slope = (k(g + h).k - k(g - h).k) / (2.0 * h);
             let t = k(g);
             prop_assert!((slope - t.slope).abs() < 1e-5 * (t.slope.abs() + t.size / g));
+            let h = 1e-6;
+            let of_rate = |h: f64| law.local_terms(g, 1.0, rate * (1.0 + h), r, dt).k;
+            let slope = (of_rate(h) - of_rate(-h)) / (2.0 * h);
+            prop_assert!((slope - t.of_rate).abs() < 1e-5 * (t.of_rate.abs() + t.size));
         }
     }
 }

@@ -78,6 +78,8 @@ pub struct Ngf {
     fit: InnerFit,
     mu: Vec<f64>,
     spread: Vec<f64>,
+    /// Stress ratios that are held; empty where none is.
+    held: Vec<f64>,
     /// Share of the cells and ghosts that grains in contact have.
     touching: Vec<f64>,
 }
@@ -102,6 +104,8 @@ struct Balance<'a> {
     rate: &'a [f64],
     local: &'a [f64],
     spread: &'a [f64],
+    /// Stress ratios that are held in place of the strain rate, where they are numbers; may be empty.
+    held: &'a [f64],
 }
 
 impl Balance<'_> {
@@ -119,7 +123,13 @@ impl Balance<'_> {
                 let g_old = v.share.map_or(1.0, |s| s.old[c] / s.now[c]) * self.g_old[c];
                 let g_old = g_old.max(self.law.grains.floors.fluidity);
                 let [rate, spread, local] = [self.rate[c], self.spread[c], self.local[c]];
+                let held = self.held.get(c).filter(|mu| mu.is_finite());
+                let rate = held.map_or(rate, |mu| mu * g[c]);
                 *t = self.law.cell_mean(g[c], g_old, rate, spread, local, v.dt);
+                if held.is_some() {
+                    // The rate follows g.
+                    t.slope += t.of_rate / g[c];
+                }
                 if v.share.is_some() {
                     *t = t.scaled(v.share(c));
                 }
@@ -198,6 +208,7 @@ impl Ngf {
             fit: InnerFit::new(mesh),
             mu: vec![0.0; all],
             spread: vec![0.0; n],
+            held: Vec::new(),
             touching: vec![0.0; all],
         }
     }
@@ -262,6 +273,7 @@ impl Ngf {
             rate: &self.rate,
             local: &self.local,
             spread: &self.spread,
+            held: &self.held,
         }
     }
 
@@ -289,9 +301,43 @@ impl Ngf {
     /// residual falls (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508). Rows are
     /// divided by the size of their terms and columns by g, so that every decade counts alike.
     fn newton(&mut self, v: &FlowView<'_>) -> Result<RheologyInfo, RheologyError> {
-        let n = v.mesh.n_cells;
         let mut info = RheologyInfo::default();
+        self.held.clear();
         self.start_from_local_law(v, &mut info)?;
+        self.iterate(v, &mut info)?;
+        if info.residual > UNSOLVED && self.hold_stress(v) {
+            self.iterate(v, &mut info)?;
+        }
+        Ok(info)
+    }
+
+    /// At a given strain rate the equation may have no solution near by, where grains above yield are fed
+    /// from beside (`g > 2 g_loc`): the sink then falls as g grows. At a given stress it has one. Holds
+    /// the stress ratio of such cells; false where no stress is known.
+    fn hold_stress(&mut self, v: &FlowView<'_>) -> bool {
+        if v.stress.is_none() {
+            return false;
+        }
+        let Granular { mu_2, .. } = self.law.grains;
+        let most = mu_2 - LEAST_LEFT * self.law.grains.delta_mu();
+        let (terms, mu, spread) = (&self.terms, &self.mu, &self.spread);
+        self.held.resize(v.mesh.n_cells, f64::NAN);
+        v.exec.for_each(&mut self.held, |first, held| {
+            for (i, held) in held.iter_mut().enumerate() {
+                let c = first + i;
+                let fed = terms[c].of_rate > 0.0 || terms[c].imbalance.abs() > UNSOLVED;
+                *held = if fed { mu[c].min(most / (1.0 + spread[c])) } else { f64::NAN };
+            }
+        });
+        true
+    }
+
+    fn iterate(
+        &mut self,
+        v: &FlowView<'_>,
+        info: &mut RheologyInfo,
+    ) -> Result<(), RheologyError> {
+        let n = v.mesh.n_cells;
         let mut terms = std::mem::take(&mut self.terms);
         let mut trial_terms = std::mem::take(&mut self.trial_terms);
         let mut residual = self.balance().of(v, &self.g.cells.data, &mut terms);
@@ -318,14 +364,17 @@ impl Ngf {
                 }
             });
             self.step.fill(0.0);
-            self.solve(v.exec, &mut info)?;
+            self.solve(v.exec, info)?;
             let (step, rate, g) = (&self.step, &self.rate, &self.g.cells.data);
-            let spread = &self.spread;
+            let (spread, held) = (&self.spread, &self.held);
             v.exec.for_each(&mut self.trial[..n], |first, out| {
                 for (i, trial) in out.iter_mut().enumerate() {
                     let c = first + i;
                     let moved = g[c] * step[c].clamp(-2.0, 2.0).exp();
-                    *trial = moved.max(least_fluidity(rate[c], spread[c], mu_2));
+                    *trial = match held.get(c).is_some_and(|mu| mu.is_finite()) {
+                        true => moved,
+                        false => moved.max(least_fluidity(rate[c], spread[c], mu_2)),
+                    };
                 }
             });
             v.mesh.halo.update(v.exec, &mut self.trial);
@@ -341,7 +390,7 @@ impl Ngf {
         }
         (self.terms, self.trial_terms) = (terms, trial_terms);
         info.residual = residual;
-        Ok(info)
+        Ok(())
     }
 
     /// The spread of mu within each cell, where the stress is known.
@@ -503,6 +552,10 @@ fn least_fluidity(rate: f64, spread: f64, mu_2: f64) -> f64 {
     rate * (1.0 + spread) / mu_2 * (1.0 + 1e-12)
 }
 
+/// Imbalance of the equation over its terms from which on it is not solved.
+const UNSOLVED: f64 = 1e-6;
+/// Share of `mu_2 - mu_s` that is left of a stress ratio that is held.
+const LEAST_LEFT: f64 = 0.02;
 /// Most Newton iterations of one update.
 const MOST_NEWTON: usize = 200;
 
