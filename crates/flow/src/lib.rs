@@ -2,6 +2,7 @@
 //! viscosity.
 
 mod anderson;
+mod best;
 mod coarse_cells;
 mod coupled;
 mod failure;
@@ -21,7 +22,7 @@ mod viscosity;
 pub mod vof;
 mod work;
 
-pub use anderson::Anderson;
+pub use anderson::{Anderson, Limit};
 pub use state::{
     Fluid, Gravity, Numerics, Report, ResidualControl, Residuals, Solve, SolveCount, State,
     StepError, TimeScheme,

@@ -115,6 +115,8 @@ impl Flow {
         let outer = self.numerics.outer.max(1);
         report.coupled = true;
         let mut hope = Hope::default();
+        // Beside another fluid single cells may come in and out of contact for ever.
+        let keeps = self.has_grains_in_fluid() && !self.fluid.rheology.is_local();
         for k in 0..=outer {
             self.give_up_if_asked()?;
             // In the first pass nothing has moved yet, but the walls and the clock.
@@ -147,9 +149,23 @@ impl Flow {
                 }
                 break;
             }
+            if k > 0 && keeps {
+                self.keep_if_best(&report.residuals);
+            }
             report.outer = k + 1;
             let wanted = self.wanted_reduction(settled, &report.residuals);
             self.correct(dt, wanted, k + 1 == outer, report)?;
+        }
+        if !report.converged && keeps && self.return_to_best(&report.residuals) {
+            // The model's field is that of this state; the viscosity stays the one that momentum balances with.
+            add(&mut report.rheology, self.evaluate_rheology(dt)?);
+            self.assemble_momentum(dt)?;
+            report.residuals = Residuals {
+                u: self.momentum_residual(),
+                p: self.continuity_residual(),
+                viscosity: self.viscosity_residual(),
+            };
+            self.work.residuals = report.residuals;
         }
         Ok(())
     }
@@ -216,7 +232,10 @@ impl Flow {
     fn wanted_reduction(&self, settled: bool, now: &Residuals) -> f64 {
         let control = &self.numerics.control;
         let needed = 0.1 * (control.u / now.u).min(control.p / now.p);
-        let (least, most) = if settled { SETTLED } else { MOVING };
+        let (least, mut most) = if settled { SETTLED } else { MOVING };
+        if self.has_grains_in_fluid() && !self.has_newton() {
+            most = most.min(MOVING_BESIDE);
+        }
         let care = if settled { 1.0 } else { self.work.patience.care };
         if needed.is_nan() { most } else { needed.clamp(least, most) * care }
     }
@@ -306,6 +325,7 @@ impl Flow {
         w.fresh = false;
         w.coupled.begin_step();
         w.newton.begin_step(two_phase.is_some());
+        w.best.forget();
         w.patience = Patience::default();
         w.solves = Default::default();
         w.beyond = None;
@@ -491,6 +511,8 @@ impl Patience {
 /// settled and on its way.
 const SETTLED: (f64, f64) = (1e-6, 1e-1);
 const MOVING: (f64, f64) = (1e-2, 1e-1);
+/// The greatest beside another fluid, where what the pressure lacks decides who is in contact.
+const MOVING_BESIDE: f64 = 1e-2;
 
 /// A speed that counts as none, over that of a free fall through a cell.
 const STILL: f64 = 1e-6;

@@ -82,6 +82,7 @@ pub(crate) struct Work {
     pub(crate) newton: Newton,
     pub(crate) friction: Friction,
     pub(crate) patience: crate::step::Patience,
+    pub(crate) best: crate::best::Best,
 }
 
 impl Work {
@@ -152,6 +153,7 @@ impl Work {
             newton: Newton::new(m, local),
             friction: Friction::new(m, u),
             patience: crate::step::Patience::default(),
+            best: crate::best::Best::default(),
         }
     }
 }

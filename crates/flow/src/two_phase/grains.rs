@@ -29,6 +29,11 @@ const STIFFEST: f64 = 1e12;
 /// rate of a free fall through a cell of size h.
 const STIFF: f64 = 3e6;
 
+/// Viscosity over `rho_1 sqrt(g h) h`, that of a fall through a cell at a Reynolds number of one, that counts as
+/// none. The pressure at the surface of grains goes through zero, and the logarithm of their viscosity with it through
+/// whatever it may be: that is no change.
+const SLACK: f64 = 1e-3;
+
 #[inline]
 fn stiffest(eta_2: f64, least: f64) -> f64 {
     (STIFFEST * eta_2).max(least)
@@ -47,6 +52,8 @@ pub(crate) struct Grains {
     pub(crate) response: Vec<f64>,
     /// Viscosity that momentum feels whatever the fluid around the grains, Pa s; cells and ghosts.
     least_stiffest: Vec<f64>,
+    /// Viscosity that counts as none, Pa s.
+    slack: Vec<f64>,
     /// Gradient of the share, cells and ghosts, where the mixing asks for it.
     gradient: Vec<Vec3>,
     pub(crate) pore: PorePressure,
@@ -64,6 +71,9 @@ impl Grains {
             eta_2: CellField::new(mesh, "eta2", Dims::VISCOSITY, 0.0),
             response: vec![1.0; mesh.n_faces()],
             least_stiffest: mesh.volume.iter().map(|v| STIFF * weight * v.sqrt()).collect(),
+            slack: (0..mesh.n_all())
+                .map(|c| SLACK * weight * mesh.cell_size(c).powf(1.5))
+                .collect(),
             gradient: if directed { vec![[0.0; 3]; mesh.n_all()] } else { Vec::new() },
             pore,
         }
@@ -85,12 +95,13 @@ impl Grains {
         }
     }
 
-    /// Grains out of contact move with the fluid between them: `eta_1` of the cells is no less than its.
+    /// Grains out of contact move with the fluid between them: `eta_1` of the cells is no less than its,
+    /// nor than what no flow can tell from it.
     pub(crate) fn lend_viscosity(&self, exec: &Exec, eta_1: &mut [f64]) {
-        let eta_2 = &self.eta_2.data;
+        let (eta_2, slack) = (&self.eta_2.data, &self.slack);
         exec.for_each(eta_1, |first, eta| {
             for (i, eta) in eta.iter_mut().enumerate() {
-                *eta = eta.max(eta_2[first + i]);
+                *eta = eta.max(eta_2[first + i]).max(slack[first + i]);
             }
         });
     }

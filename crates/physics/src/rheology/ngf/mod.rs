@@ -313,9 +313,10 @@ impl Ngf {
 
     /// At a given strain rate the equation may have no solution near by, where grains above yield are fed
     /// from beside (`g > 2 g_loc`): the sink then falls as g grows. At a given stress it has one. Holds
-    /// the stress ratio of such cells; false where no stress is known.
+    /// the stress ratio of such cells; false where no stress is known, and where there is no
+    /// other fluid and so no reason to give up the rate.
     fn hold_stress(&mut self, v: &FlowView<'_>) -> bool {
-        if v.stress.is_none() {
+        if v.stress.is_none() || v.share.is_none() {
             return false;
         }
         let Granular { mu_2, .. } = self.law.grains;
@@ -332,11 +333,7 @@ impl Ngf {
         true
     }
 
-    fn iterate(
-        &mut self,
-        v: &FlowView<'_>,
-        info: &mut RheologyInfo,
-    ) -> Result<(), RheologyError> {
+    fn iterate(&mut self, v: &FlowView<'_>, info: &mut RheologyInfo) -> Result<(), RheologyError> {
         let n = v.mesh.n_cells;
         let mut terms = std::mem::take(&mut self.terms);
         let mut trial_terms = std::mem::take(&mut self.trial_terms);
