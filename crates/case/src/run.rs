@@ -191,7 +191,7 @@ impl Run {
         if self.stop.load(Ordering::Relaxed) {
             return self.stopped();
         }
-        let (before, wall) = (self.time(), self.clock.seconds());
+        let (before, wall, dt_before) = (self.time(), self.clock.seconds(), self.dt);
         let dt = self.next_dt()?;
         // A step fitted to the end may be all that rounding of the clock has left of it.
         let left = self.case.end - before;
@@ -201,8 +201,15 @@ impl Run {
         let report = match self.crew.worker.order(Order::Step(dt)) {
             Ok(Answer::Stepped(report)) => *report,
             Ok(_) => Report::default(),
-            Err(StepError::Interrupted { .. }) => return self.stopped(),
-            Err(e) => return Err(self.failed(e)),
+            // Whoever goes on from here takes this step again, by the same rule from the same length.
+            Err(StepError::Interrupted { .. }) => {
+                self.dt = dt_before;
+                return self.stopped();
+            }
+            Err(e) => {
+                self.dt = dt_before;
+                return Err(self.failed(e));
+            }
         };
         let (time, step) = (self.time(), self.flow().state.step);
         let last = time > self.case.end - 0.5 * dt;
