@@ -1,6 +1,6 @@
 //! The best pass of a step, for a step whose passes do not converge.
 
-use crate::{Flow, Residuals};
+use crate::{Flow, Residuals, StepError};
 use granflow_base::Vec3;
 
 /// The state after the pass that left momentum and continuity nearest to balance.
@@ -46,11 +46,14 @@ impl Flow {
 
     /// Takes the state of the best pass where that is worth it; residuals and the rheology are then to be
     /// evaluated anew.
-    pub(crate) fn return_to_best(&mut self, now: &Residuals) -> bool {
+    ///
+    /// # Errors
+    /// [`StepError`] when the pressure between grains cannot be found.
+    pub(crate) fn return_to_best(&mut self, now: &Residuals) -> Result<bool, StepError> {
+        let (score, best) = (self.score(now), self.work.best.score);
         // What is no number is worse than anything.
-        let worse = !(BETTER * self.score(now) <= self.work.best.score);
-        if !worse || self.work.best.score == f64::INFINITY {
-            return false;
+        if best == f64::INFINITY || BETTER * score <= best {
+            return Ok(false);
         }
         let Flow { state, work: w, .. } = self;
         state.u.cells.data.copy_from_slice(&w.best.u);
@@ -58,7 +61,9 @@ impl Flow {
         state.phi.data.copy_from_slice(&w.best.phi);
         w.eta.data.copy_from_slice(&w.best.eta);
         self.update_conditions();
+        // Faces have the viscosity of the pressure beside them.
+        self.total_pressure()?;
         self.spread_viscosity();
-        true
+        Ok(true)
     }
 }

@@ -156,7 +156,7 @@ impl Flow {
             let wanted = self.wanted_reduction(settled, &report.residuals);
             self.correct(dt, wanted, k + 1 == outer, report)?;
         }
-        if !report.converged && keeps && self.return_to_best(&report.residuals) {
+        if !report.converged && keeps && self.return_to_best(&report.residuals)? {
             // The model's field is that of this state; the viscosity stays the one that momentum balances with.
             add(&mut report.rheology, self.evaluate_rheology(dt)?);
             self.assemble_momentum(dt)?;
