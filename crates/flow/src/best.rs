@@ -1,12 +1,14 @@
 //! The best pass of a step, for a step whose passes do not converge.
 
+use crate::step::FAR_FROM_BALANCE;
 use crate::{Flow, Residuals, StepError};
 use granflow_base::Vec3;
 
-/// The state after the pass that left momentum and continuity nearest to balance.
+/// The state after the pass that left momentum and continuity nearest to balance. Allocated by the first
+/// pass that needs it.
 #[derive(Default)]
 pub(crate) struct Best {
-    /// Residuals over what was asked for; infinite before the first pass.
+    /// Residuals over what was asked for; infinite as a step begins.
     score: f64,
     u: Vec<Vec3>,
     p: Vec<f64>,
@@ -14,7 +16,8 @@ pub(crate) struct Best {
     eta: Vec<f64>,
 }
 
-/// How much better than the last pass the best must be to be worth returning to.
+/// How much better than the last pass, whose viscosity is the rheology's own, the best must be to be worth
+/// returning to; where the last one is no flow, any better one will do.
 const BETTER: f64 = 0.5;
 
 impl Best {
@@ -51,8 +54,8 @@ impl Flow {
     /// [`StepError`] when the pressure between grains cannot be found.
     pub(crate) fn return_to_best(&mut self, now: &Residuals) -> Result<bool, StepError> {
         let (score, best) = (self.score(now), self.work.best.score);
-        // What is no number is worse than anything.
-        if best == f64::INFINITY || BETTER * score <= best {
+        let fair = BETTER * score <= best && now.u < FAR_FROM_BALANCE;
+        if best == f64::INFINITY || best >= score || fair {
             return Ok(false);
         }
         let Flow { state, work: w, .. } = self;

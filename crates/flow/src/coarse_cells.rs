@@ -8,6 +8,7 @@
 //! its share in the stress; in flows that the mesh resolves the two differ by the square of the cell's length.
 
 use crate::Flow;
+use crate::viscosity::weight_beyond;
 use granflow_base::{norm, sub};
 use granflow_mesh::Mesh;
 
@@ -28,25 +29,38 @@ impl Flow {
         let Flow { exec, mesh, work: w, state, two_phase, fluid, .. } = self;
         let Some(material) = fluid.rheology.grains() else { return };
         let grains = two_phase.as_ref().and_then(|t| t.work.grains.as_ref());
+        let share = two_phase.as_ref().and_then(|t| t.share());
         let (eta, eta_f, u) = (&w.eta.data, &w.eta_f.data, &state.u);
+        // ln of the viscosity that the rate of cell c was made with over that of its face to cell n.
+        let off = |c: usize, n: usize, f: usize, beyond: f64| match grains {
+            // Faces have the mixture's there, the rate is the grains' alone.
+            Some(grains) if !grains.compares(c, n) => match weight_beyond(share, [c, n], beyond) {
+                0.0 => 0.0,
+                beyond => beyond * (eta[c] / eta[n]).ln(),
+            },
+            Some(grains) => (grains.viscosity_of_rate(c, eta[c]) / eta_f[f]).ln(),
+            None => (eta[c] / eta_f[f]).ln(),
+        };
         exec.for_each(&mut w.strain_rate[..mesh.n_cells], |first, out| {
             for (i, rate) in out.iter_mut().enumerate() {
                 let c = first + i;
-                let own = grains.map_or(eta[c], |g| g.viscosity_of_rate(c, eta[c]));
                 let (mut ln_ratio, mut weights) = (0.0, 0.0);
                 for (f, sign) in mesh.faces_of(c) {
-                    let (beyond, coarse) = match mesh.neighbour.get(f) {
-                        None => (u.boundary_value(mesh, f), 0.0),
-                        Some(&n) => {
-                            let n = if sign > 0.0 { n } else { mesh.owner[f] } as usize;
-                            (u.cells.data[n], coarseness(mesh, f, material.d))
-                        }
-                    };
-                    let across = norm(sub(beyond, u.cells.data[c])) * mesh.inv_dist[f];
+                    let other = mesh.neighbour.get(f).map(|&n| match sign > 0.0 {
+                        true => (n as usize, 1.0 - mesh.weight[f]),
+                        false => (mesh.owner[f] as usize, mesh.weight[f]),
+                    });
+                    let there =
+                        other.map_or_else(|| u.boundary_value(mesh, f), |(n, _)| u.cells.data[n]);
+                    let across = norm(sub(there, u.cells.data[c])) * mesh.inv_dist[f];
                     let weight = (eta_f[f] * across * mesh.mag_area[f]).powi(2);
                     weights += weight;
+                    let (Some((n, beyond)), coarse) = (other, coarseness(mesh, f, material.d))
+                    else {
+                        continue;
+                    };
                     if coarse * weight > 0.0 {
-                        ln_ratio += weight * coarse * (own / eta_f[f]).ln();
+                        ln_ratio += weight * coarse * off(c, n, f, beyond);
                     }
                 }
                 if ln_ratio != 0.0 {

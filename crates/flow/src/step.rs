@@ -36,7 +36,7 @@ pub struct Flow {
 
 impl Flow {
     /// Puts the parts together and allocates what a step needs, but for the directions of coupled
-    /// passes, which the first of them allocates.
+    /// passes and the best of them, which the first ones allocate.
     pub fn new(
         exec: Exec,
         mesh: Arc<Mesh>,
@@ -527,7 +527,7 @@ const NO_FLOW: f64 = 1.0;
 /// Change of the logarithm of viscosity in a pass from which on it is no viscosity of that flow.
 const NO_VISCOSITY: f64 = 10.0;
 /// Residual of momentum that goes with it: single cells in a flow in balance may change that much.
-const FAR_FROM_BALANCE: f64 = 0.1;
+pub(crate) const FAR_FROM_BALANCE: f64 = 0.1;
 
 /// Fields that follow from the state.
 pub struct Derived<'a> {

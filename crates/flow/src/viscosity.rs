@@ -97,10 +97,13 @@ impl Flow {
         self.evaluate_surrounding_fluid(dt)?;
         let Flow { exec, mesh, work: w, fluid, state, two_phase, .. } = self;
         let two = two_phase.as_deref();
-        let (rate, eta) = (&w.strain_rate, &w.eta.data);
-        exec.for_each(&mut w.tau[..n], |first, tau| {
-            tau.iter_mut().enumerate().for_each(|(i, t)| *t = eta[first + i] * rate[first + i]);
-        });
+        // A model with a field of its own sees the stress as it is.
+        if fluid.rheology.is_local() {
+            let (rate, eta) = (&w.strain_rate, &w.eta.data);
+            exec.for_each(&mut w.tau[..n], |first, tau| {
+                tau.iter_mut().enumerate().for_each(|(i, t)| *t = eta[first + i] * rate[first + i]);
+            });
+        }
         // A local law carries what it says at this rate; `eta` may be of another trial.
         let nonlocal = !fluid.rheology.is_local();
         let view = FlowView {
@@ -143,7 +146,8 @@ impl Flow {
         w.reconstruction.viscous_stress(exec, mesh, &state.u, &w.grad_u, &w.eta_f, &mut w.stress);
         let (stress, eta) = (&w.stress, &w.eta.data);
         let grains = two_phase.as_ref().and_then(|t| t.work.grains.as_ref());
-        exec.for_each(&mut w.strain_rate[..mesh.n_cells], |first, out| {
+        let n = mesh.n_cells;
+        exec.for_each2(&mut w.strain_rate[..n], &mut w.tau[..n], |first, out, tau| {
             for (i, rate) in out.iter_mut().enumerate() {
                 let c = first + i;
                 let stress = magnitude(&stress[c]);
@@ -151,6 +155,7 @@ impl Flow {
                     None => stress / eta[c],
                     Some(grains) => grains.rate(c, stress, eta[c]),
                 };
+                tau[i] = eta[c] * *rate;
             }
         });
         self.mean_viscosity_where_coarse();

@@ -95,6 +95,13 @@ impl Grains {
         }
     }
 
+    /// Whether the viscosity of the face between two cells is of the same material as that of their rates:
+    /// where both fluids bear the same stress, the face has the mixture's and the cell the grains'.
+    #[inline]
+    pub(crate) fn compares(&self, c: usize, n: usize) -> bool {
+        self.mixing != Mixing::Harmonic || self.share[c] >= 1.0 && self.share[n] >= 1.0
+    }
+
     /// Grains out of contact move with the fluid between them: `eta_1` of the cells is no less than its,
     /// nor than what no flow can tell from it.
     pub(crate) fn lend_viscosity(&self, exec: &Exec, eta_1: &mut [f64]) {

@@ -25,7 +25,7 @@ use self::law::Local;
 use self::spread::InnerFit;
 use super::beyond::beyond;
 use super::{
-    Entry, FlowView, FluidContext, Granular, Rheology, RheologyError, RheologyInfo, Share,
+    Entry, Floors, FlowView, FluidContext, Granular, Rheology, RheologyError, RheologyInfo, Share,
 };
 use granflow_base::Dims;
 use granflow_dict::Reader;
@@ -208,7 +208,7 @@ impl Ngf {
             fit: InnerFit::new(mesh),
             mu: vec![0.0; all],
             spread: vec![0.0; n],
-            held: Vec::new(),
+            held: Vec::with_capacity(n),
             touching: vec![0.0; all],
         }
     }
@@ -297,9 +297,7 @@ impl Ngf {
         Ok(())
     }
 
-    /// Newton in ln g at frozen strain rate, damped by a pseudo-time step that grows as the
-    /// residual falls (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508). Rows are
-    /// divided by the size of their terms and columns by g, so that every decade counts alike.
+    /// The fluidity at the strain rate of the flow, and at its stress where the rate has no solution.
     fn newton(&mut self, v: &FlowView<'_>) -> Result<RheologyInfo, RheologyError> {
         let mut info = RheologyInfo::default();
         self.held.clear();
@@ -319,7 +317,7 @@ impl Ngf {
         if v.stress.is_none() || v.share.is_none() {
             return false;
         }
-        let Granular { mu_2, .. } = self.law.grains;
+        let Granular { mu_2, floors: Floors { still, .. }, .. } = self.law.grains;
         let most = mu_2 - LEAST_LEFT * self.law.grains.delta_mu();
         let (terms, mu, spread) = (&self.terms, &self.mu, &self.spread);
         self.held.resize(v.mesh.n_cells, f64::NAN);
@@ -327,7 +325,10 @@ impl Ngf {
             for (i, held) in held.iter_mut().enumerate() {
                 let c = first + i;
                 let fed = terms[c].of_rate > 0.0 || terms[c].imbalance.abs() > UNSOLVED;
-                *held = if fed { mu[c].min(most / (1.0 + spread[c])) } else { f64::NAN };
+                *held = match fed {
+                    true => mu[c].min(most / (1.0 + spread[c])).max(still),
+                    false => f64::NAN,
+                };
             }
         });
         true
@@ -481,7 +482,8 @@ impl Ngf {
             for (i, new) in out.iter_mut().enumerate() {
                 let c = first + i;
                 *new = g[c];
-                if !v.has(c) || g[c] > 0.0 {
+                let reached = v.has(c) && v.share.is_some_and(|s| s.old[c] < Share::NONE);
+                if !reached || g[c] > 0.0 {
                     continue;
                 }
                 let (mut sum, mut of) = (0.0, 0.0);
@@ -514,12 +516,13 @@ impl Ngf {
         });
     }
 
-    /// Beside another fluid, grains under no pressure are out of contact: they carry no stress, have no
+    /// In the steady form, beside another fluid, grains under no pressure are out of contact: they carry no stress, have no
     /// fluidity, and what is in contact ends at them. (Their stress ratio is what a floor on the pressure makes of it,
     /// and where it comes to lie above mu_s beside faster grains, the equation at a given rate has no
-    /// solution near by.) `touching` is filled with the share of the others.
+    /// solution near by. The primitive form remembers, and has one.) `touching` is filled with the share of
+    /// the others.
     fn part<'a>(&self, v: &FlowView<'a>, touching: &'a mut [f64]) -> FlowView<'a> {
-        let Some(share) = v.share else { return *v };
+        let Some(share) = v.share.filter(|_| self.law.form == Form::Steady) else { return *v };
         let (pressure, loose) = (v.pressure, self.law.grains.loose());
         v.exec.for_each(touching, |first, out| {
             for (i, share_of) in out.iter_mut().enumerate() {
