@@ -334,6 +334,9 @@ impl Ngf {
         true
     }
 
+    /// Newton in ln g at frozen strain rate, or stress where `held` says so, damped by a pseudo-time step
+    /// that grows as the residual falls (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508).
+    /// Rows are divided by the size of their terms and columns by g, so that every decade counts alike.
     fn iterate(&mut self, v: &FlowView<'_>, info: &mut RheologyInfo) -> Result<(), RheologyError> {
         let n = v.mesh.n_cells;
         let mut terms = std::mem::take(&mut self.terms);
