@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 /// What the second program starts from.
-#[derive(Clone, Copy, PartialEq)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Start {
     /// The tutorial's files alone.
     Own,
@@ -22,6 +22,7 @@ pub(crate) enum Start {
     Mesh,
 }
 
+#[derive(Clone, Copy)]
 pub(crate) struct Tutorial {
     /// Below `multiphase` in the examples; the last part is its name.
     pub(crate) path: &'static str,
@@ -60,7 +61,7 @@ const NARROW: &[(&str, &str, &str)] =
 const COARSE: &[(&str, &str, &str)] =
     &[("system/blockMeshDict", "hex", "hex (0 1 2 3 4 5 6 7) (500 1 80) simpleGrading (1 1 1)")];
 
-const TUTORIALS: &[Tutorial] = &[
+pub(crate) const TUTORIALS: &[Tutorial] = &[
     Tutorial {
         path: "interFoam/laminar/damBreak/damBreak",
         prepare: &["blockMesh", "setFields"],
@@ -372,7 +373,7 @@ impl Tutorial {
     }
 
     /// Gives ours what it starts from.
-    fn hand_over(&self, theirs: &Path, ours: &Path) -> Result<(), String> {
+    pub(crate) fn hand_over(&self, theirs: &Path, ours: &Path) -> Result<(), String> {
         let copy = |what: &str| {
             let to = ours.join(what);
             // The tutorial may have brought its own.

@@ -1,35 +1,49 @@
 //! Two fluids through this program and the reference tool on the same mesh, with the tutorial's own schemes,
 //! tolerances and control of the time step: seconds, steps and memory, on one core and on two.
 
-use crate::compare::{Start, Tutorial};
+use crate::compare::{Start, TUTORIALS, Tutorial};
 use crate::{bench, run};
 use std::collections::BTreeMap;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 struct Race {
-    of: Tutorial,
-    /// Cells of the tutorial's mesh, per direction that has more than one, are this many times as many.
+    what: What,
+    end: f64,
+    /// Cells of the mesh, per direction that has more than one, are this many times as many.
     refined: usize,
 }
 
-const fn race(path: &'static str, prepare: &'static [&'static str], end: f64, n: usize) -> Race {
-    let of =
-        Tutorial { path, prepare, start: Start::Own, changes: &[], end, interval: end, axis: 0 };
-    Race { of, refined: n }
+enum What {
+    /// A tutorial of the reference tool, by the end of its path.
+    Tutorial(&'static str),
+    /// A case of ours, the reference tool on our mesh and first fields; both read the schemes and
+    /// solvers of `bench_cases/twoFluids`.
+    Ours(&'static str),
+}
+use What::{Ours, Tutorial as Theirs};
+
+const fn race(what: What, end: f64, refined: usize) -> Race {
+    Race { what, end, refined }
 }
 
-const FLUX_CORRECTED: &str = "interFoam/laminar/damBreak/damBreak";
-const GEOMETRIC: &str = "interIsoFoam/damBreak";
-const FILLED: &[&str] = &["blockMesh", "setFields"];
-const COPIED: &[&str] = &["cp -r 0.orig 0", "blockMesh", "setFields"];
 const RACES: &[Race] = &[
-    race(FLUX_CORRECTED, FILLED, 0.2, 1),
-    race(FLUX_CORRECTED, FILLED, 0.1, 2),
-    race(FLUX_CORRECTED, FILLED, 0.05, 4),
-    race(GEOMETRIC, COPIED, 0.05, 1),
+    race(Theirs("interFoam/laminar/damBreak/damBreak"), 0.2, 1),
+    race(Theirs("interFoam/laminar/damBreak/damBreak"), 0.1, 2),
+    race(Theirs("interFoam/laminar/damBreak/damBreak"), 0.05, 4),
+    race(Theirs("interIsoFoam/damBreak"), 0.05, 1),
+    race(Theirs("interFoam/laminar/damBreakWithObstacle"), 0.1, 1),
+    race(Theirs("interFoam/laminar/capillaryRise"), 0.02, 1),
+    race(Theirs("interFoam/laminar/waves/stokesI"), 0.5, 1),
+    race(Theirs("interIsoFoam/discInConstantFlow"), 1.0, 1),
+    race(Theirs("interIsoFoam/notchedDiscInSolidBodyRotation"), 0.1, 1),
+    race(Theirs("interIsoFoam/discInReversedVortexFlow"), 0.5, 1),
+    race(Theirs("interIsoFoam/sphereInReversedVortexFlow"), 0.5, 1),
+    race(Ours("rising_bubble"), 0.3, 1),
+    race(Ours("capillary_rise"), 0.02, 1),
+    race(Ours("standing_wave"), 0.3, 1),
 ];
 
 /// Prints the table.
@@ -42,26 +56,26 @@ pub(crate) fn two_phases(granflow: &Path, repeat: usize, cores: usize) -> Result
         "| case | cells | cores | granflow s (steps, MB) | peer s (steps, MB) | peer/granflow |"
     );
     println!("|---|---|---|---|---|---|");
-    RACES.iter().try_for_each(|race| race.run(&granflow, repeat, cores))
+    let mut missing = Vec::new();
+    for race in RACES {
+        if let Err(why) = race.run(&granflow, repeat, cores) {
+            missing.push(format!("{}: {why}", race.name()));
+        }
+    }
+    if missing.is_empty() { Ok(()) } else { Err(missing.join("; ")) }
 }
 
 impl Race {
     fn run(&self, granflow: &Path, repeat: usize, cores: usize) -> Result<(), String> {
-        let from = Path::new("/usr/share/doc/openfoam-examples/examples/multiphase");
-        let from = from.join(self.of.path);
-        if !from.is_dir() {
-            return Err(format!("{} is not there", from.display()));
-        }
-        let solver = self.of.solver();
+        let tutorial = self.tutorial()?;
+        let solver = tutorial.solver();
         for threads in if cores > 1 { vec![1, 2] } else { vec![1] } {
             let (mut mine, mut other) = (Vec::new(), Vec::new());
             for _ in 0..repeat {
-                let theirs = self.prepared(&from, threads)?;
+                let (ours, theirs) = self.prepared(&tutorial, granflow, threads)?;
                 let parallel = ["mpirun", "--allow-run-as-root", "-np", "2", solver, "-parallel"];
                 let words = if threads == 1 { &[solver][..] } else { &parallel };
                 other.push(watched(words, None, &theirs, solver)?);
-                let ours = bench::copy_case(&from, "race-ours")?;
-                self.edit(&ours)?;
                 let threads = threads.to_string();
                 let words = ["granflow", "run", ".", "-j", &threads];
                 mine.push(watched(&words, Some(granflow), &ours, "granflow")?);
@@ -73,15 +87,46 @@ impl Race {
             let cells = cells_of(&bench::scratch_place("race-theirs"));
             println!(
                 "| {} | {cells} | {threads} | {mine} | {other} | {:.2} |",
-                self.of.path,
+                self.name(),
                 other.seconds / mine.seconds
             );
         }
         Ok(())
     }
 
-    fn edit(&self, case: &Path) -> Result<(), String> {
-        self.of.edit(case)?;
+    fn name(&self) -> String {
+        match self.what {
+            Theirs(path) => path.to_owned(),
+            Ours(name) => format!("our `{name}`"),
+        }
+    }
+
+    /// What both run, and when it ends.
+    fn tutorial(&self) -> Result<Tutorial, String> {
+        let (end, interval) = (self.end, self.end);
+        match self.what {
+            Theirs(path) => {
+                let known = TUTORIALS.iter().find(|t| t.path == path);
+                let known = known.ok_or_else(|| format!("no tutorial `{path}`"))?;
+                Ok(Tutorial { end, interval, ..*known })
+            }
+            Ours(_) => Ok(Tutorial {
+                path: "interIsoFoam/ours",
+                prepare: &[],
+                start: Start::Own,
+                changes: &[],
+                end,
+                interval,
+                axis: 0,
+            }),
+        }
+    }
+
+    /// The mesh of the case is refined where it makes its own.
+    fn refine(&self, case: &Path) -> Result<(), String> {
+        if self.refined == 1 {
+            return Ok(());
+        }
         let file = ["system/blockMeshDict", "constant/polyMesh/blockMeshDict"]
             .map(|f| case.join(f))
             .into_iter()
@@ -91,22 +136,59 @@ impl Race {
         fs::write(&file, refined(&text, self.refined)).map_err(|e| e.to_string())
     }
 
-    /// The peer's case, ready for its solver.
-    fn prepared(&self, from: &Path, ranks: usize) -> Result<std::path::PathBuf, String> {
-        let case = bench::copy_case(from, "race-theirs")?;
-        self.edit(&case)?;
-        for line in self.of.prepare {
-            let words: Vec<&str> = line.split(' ').collect();
-            watched(&words, None, &case, "")?;
+    /// Our case and the peer's, each ready for its solver.
+    fn prepared(
+        &self,
+        tutorial: &Tutorial,
+        granflow: &Path,
+        ranks: usize,
+    ) -> Result<(PathBuf, PathBuf), String> {
+        let from = match self.what {
+            Theirs(path) => {
+                Path::new("/usr/share/doc/openfoam-examples/examples/multiphase").join(path)
+            }
+            Ours(name) => run::root().join("cases").join(name),
+        };
+        if !from.is_dir() {
+            return Err(format!("{} is not there", from.display()));
         }
+        let ours = bench::copy_case(&from, "race-ours")?;
+        let theirs = bench::copy_case(&from, "race-theirs")?;
+        for case in [&ours, &theirs] {
+            tutorial.edit(case)?;
+            self.refine(case)?;
+            if let Ours(_) = self.what {
+                let files = run::root().join("xtask/bench_cases/twoFluids");
+                run::copy_dir(&files, case).map_err(|e| e.to_string())?;
+                without_functions(&case.join("system/controlDict"))?;
+            }
+        }
+        if let Ours(_) = self.what {
+            for what in ["mesh", "init"] {
+                watched(&["granflow", what, "."], Some(granflow), &theirs, "")?;
+            }
+        }
+        for line in tutorial.prepare {
+            let words: Vec<&str> = line.split(' ').collect();
+            watched(&words, None, &theirs, "")?;
+        }
+        tutorial.hand_over(&theirs, &ours)?;
         if ranks > 1 {
             let text = "FoamFile { version 2.0; format ascii; class dictionary; object decomposeParDict; }\n\
                         numberOfSubdomains 2; method simple; simpleCoeffs { n (2 1 1); delta 0.001; }\n";
-            fs::write(case.join("system/decomposeParDict"), text).map_err(|e| e.to_string())?;
-            watched(&["decomposePar", "-force"], None, &case, "")?;
+            fs::write(theirs.join("system/decomposeParDict"), text).map_err(|e| e.to_string())?;
+            watched(&["decomposePar", "-force"], None, &theirs, "")?;
         }
-        Ok(case)
+        Ok((ours, theirs))
     }
+}
+
+/// Leaves out functions of ours, which the peer does not have and which take time.
+fn without_functions(control: &Path) -> Result<(), String> {
+    let text = fs::read_to_string(control).map_err(|e| e.to_string())?;
+    let end = text.find("\nfunctions").map_or(text.len(), |at| at + 1);
+    let text = format!("{}startTime 0;\n", &text[..end]);
+    fs::write(control, text).map_err(|e| e.to_string())
 }
 
 /// The numbers of cells of every block times `n`, where there is more than one.

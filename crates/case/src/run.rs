@@ -26,6 +26,8 @@ const SLIVER: f64 = 1e-6;
 pub enum End {
     /// The end time was reached; its state is written.
     EndTime,
+    /// A steady state was found, and its conditions stay the same until the end time; it is written.
+    Steady,
     /// The stop flag was set; the state is written.
     Stopped,
 }
@@ -80,6 +82,8 @@ pub struct Run {
     pace: Option<f64>,
     /// Where the law was ill-posed in the last step.
     posedness: Posedness,
+    /// Whether a steady state was found for all times to come.
+    settled: bool,
 }
 
 impl Run {
@@ -155,6 +159,7 @@ impl Run {
             set_aside,
             pace: None,
             posedness: Posedness::default(),
+            settled: false,
             crew,
             log,
             case,
@@ -195,7 +200,7 @@ impl Run {
         let dt = self.next_dt()?;
         // A step fitted to the end may be all that rounding of the clock has left of it.
         let left = self.case.end - before;
-        if left < 0.5 * dt || left < SLIVER * self.dt {
+        if self.settled || left < 0.5 * dt || left < SLIVER * self.dt {
             return self.over();
         }
         let report = match self.crew.worker.order(Order::Step(dt)) {
@@ -212,7 +217,11 @@ impl Run {
             }
         };
         let (time, step) = (self.time(), self.flow().state.step);
-        let last = time > self.case.end - 0.5 * dt;
+        if report.steady && report.converged {
+            let answer = self.crew.worker.order(Order::Settled(dt));
+            self.settled = matches!(answer, Ok(Answer::Number(1.0)));
+        }
+        let last = self.settled || time > self.case.end - 0.5 * dt;
         let write = last || self.write_due(before, time, step);
         self.crew.worker.time_name = self.name_of(time, dt);
         let moment =
@@ -354,8 +363,12 @@ impl Run {
         if self.time() > self.began {
             self.write_now()?;
         }
-        self.log_end("endTime")?;
-        Ok(Event::Done(End::EndTime))
+        let (end, reason) = match self.settled {
+            true => (End::Steady, "steady"),
+            false => (End::EndTime, "endTime"),
+        };
+        self.log_end(reason)?;
+        Ok(Event::Done(end))
     }
 
     fn stopped(&mut self) -> Result<Event, CaseError> {

@@ -31,6 +31,8 @@ pub(crate) enum Order {
     Renew,
     /// Greatest Courant number of a step of one second, over what it may be.
     Courant,
+    /// Whether boundaries ask the same at all steps of so many seconds to come.
+    Settled(f64),
     /// The end.
     Stop,
 }
@@ -45,12 +47,13 @@ impl Order {
             Order::Collect(derived) => vec![4.0, f64::from(u8::from(derived))],
             Order::Renew => vec![5.0, 0.0],
             Order::Courant => vec![6.0, 0.0],
-            Order::Stop => vec![7.0, 0.0],
+            Order::Settled(dt) => vec![7.0, dt],
+            Order::Stop => vec![8.0, 0.0],
         }
     }
     fn from_code(code: &[f64]) -> Order {
         let arg = code.get(1).copied().unwrap_or(0.0);
-        match code.first().map_or(7, |c| *c as u8) {
+        match code.first().map_or(8, |c| *c as u8) {
             0 => Order::Step(arg),
             1 => Order::Rollback,
             2 => Order::Derive,
@@ -58,6 +61,7 @@ impl Order {
             4 => Order::Collect(arg != 0.0),
             5 => Order::Renew,
             6 => Order::Courant,
+            7 => Order::Settled(arg),
             _ => Order::Stop,
         }
     }
@@ -220,6 +224,13 @@ impl Worker {
                 let flow = self.flow();
                 let at_interface = flow.interface_courant_rate() / adjust.max_alpha_co;
                 Ok(Answer::Number((courant(flow) / adjust.max_co).max(at_interface)))
+            }
+            Order::Settled(dt) => {
+                let end = self.case.end;
+                let flow = self.flow_mut();
+                let mut changes = [f64::from(u8::from(!flow.conditions_stay(dt, end)))];
+                flow.exec.comm().max(&mut changes);
+                Ok(Answer::Number(1.0 - changes[0]))
             }
             Order::Stop => Ok(Answer::Done),
         }

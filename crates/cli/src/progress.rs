@@ -107,7 +107,9 @@ pub(crate) fn status(step: usize, r: &Report, left: Option<f64>) -> String {
         (_, true) => format!("outer {}", r.outer),
         (_, false) => format!("outer {} (not converged)", r.outer),
     });
-    parts.push(format!("Co {}", number(r.courant[1])));
+    if !r.steady {
+        parts.push(format!("Co {}", number(r.courant[1])));
+    }
     // Inside outer iterations they do no harm if the step converged.
     let judged = !(r.coupled && r.converged);
     let solves = if judged { &r.solves[..] } else { &[] };

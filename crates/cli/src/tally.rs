@@ -1,10 +1,10 @@
 //! What a run has done so far, and what there is to say about it at the end.
 
 use crate::session::Session;
-use crate::text::{count, duration, number, place, rounded};
+use crate::text::{count, duration, number, place, residual, rounded};
 use granflow_case::config::Solution;
 use granflow_case::{Case, StepEvent, Tensile};
-use granflow_flow::SolveCount;
+use granflow_flow::{Residuals, SolveCount};
 use granflow_physics::rheology::{Beyond, Posedness};
 use std::path::Path;
 
@@ -14,6 +14,8 @@ pub(crate) struct Tally {
     pub(crate) steps: usize,
     unconverged: usize,
     began_at: f64,
+    /// Residuals of the last step, if it ended in a steady state.
+    steady: Option<Residuals>,
     /// Time, length and relative change of velocity of the last full step.
     last: Option<(f64, f64, f64)>,
     /// Whether the last step did not converge.
@@ -41,6 +43,7 @@ impl Tally {
         self.unconverged += usize::from(!r.converged);
         self.adrift = !r.converged;
         self.beyond = r.rheology.beyond.filter(|_| !r.converged);
+        self.steady = r.steady.then_some(r.residuals);
         self.posedness = r.rheology.posedness;
         let g = &r.rheology;
         self.solves[0] += r.solves[0];
@@ -139,6 +142,15 @@ impl Tally {
     /// How far the flow would still move if it went on at its last rate for as long as this run.
     fn steadiness(&self) -> Option<String> {
         let (time, dt, change) = self.last?;
+        if let Some(r) = self.steady {
+            return Some(format!(
+                "steady state: forces are out of balance by {} of their size, the flux by {}, the viscosity \
+                 would change by {}",
+                residual(r.u),
+                residual(r.p),
+                residual(r.viscosity),
+            ));
+        }
         if self.adrift {
             // What stands still need not be a solution.
             return Some(

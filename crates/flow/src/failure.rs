@@ -1,6 +1,6 @@
 //! Why a step failed, in terms of the physics where that is known.
 
-use crate::{Flow, Report, ResidualControl, Residuals, StepError};
+use crate::{Flow, Report, ResidualControl, Residuals, StepError, TimeScheme};
 use granflow_physics::rheology::Beyond;
 
 /// Greatest residual of momentum and of continuity at which stress over pressure tells of the
@@ -79,6 +79,14 @@ impl Flow {
     /// rest in place of the old flow, which may be far from anything that this material can do. Where
     /// that comes no nearer, what the old flow led to stands.
     pub fn step(&mut self, dt: f64) -> Result<Report, StepError> {
+        match self.numerics.ddt {
+            TimeScheme::Steady => self.find_steady_state(dt),
+            TimeScheme::Euler | TimeScheme::Backward => self.try_step(dt),
+        }
+    }
+
+    /// A step of the length that inertia sees.
+    pub(crate) fn try_step(&mut self, dt: f64) -> Result<Report, StepError> {
         let mut result = self.advance(dt, Guess::Old);
         // What one rank reports as `NotFinite` the others do as `Elsewhere`: all must agree.
         let lost = match &result {

@@ -16,6 +16,7 @@ mod newton;
 mod predictor;
 mod pressure;
 mod state;
+mod steady;
 mod step;
 mod two_phase;
 mod viscosity;

@@ -23,6 +23,8 @@ impl Flow {
     /// Coefficients of the time scheme for this step.
     pub(crate) fn ddt_coefficients(&self, dt: f64) -> [f64; 3] {
         match self.numerics.ddt {
+            // The step is endless, or one of pseudo-time.
+            TimeScheme::Steady => [1.0, 1.0, 0.0],
             TimeScheme::Backward if self.state.dt_old > 0.0 => {
                 // Backward differences on unequal steps, r = dt/dt_old.
                 let r = dt / self.state.dt_old;

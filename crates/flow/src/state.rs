@@ -56,6 +56,8 @@ pub enum TimeScheme {
     Euler,
     /// Backward differences over two steps (Gear 1971), second order.
     Backward,
+    /// No time derivative: a step finds the steady state of the conditions at its end.
+    Steady,
 }
 
 /// A system's solver with its tolerances. These end the solves of a single pass (PISO); where momentum
@@ -167,6 +169,8 @@ pub struct Report {
     pub coupled: bool,
     /// Whether the residuals met the control.
     pub converged: bool,
+    /// Whether this is a steady state, found without the time derivative.
+    pub steady: bool,
     /// Residuals at its end.
     pub residuals: Residuals,
     /// First and last momentum solve.
@@ -246,6 +250,19 @@ pub enum StepError {
         /// Time, s.
         time: f64,
         /// Of the state it ended in.
+        residuals: Residuals,
+    },
+    /// No steady state was found.
+    #[error(
+        "no steady state was found at time {time}, neither directly nor by relaxation in pseudo-time (the nearest: \
+         momentum {:.1e}, continuity {:.1e}, viscosity {:.1e}); the flow may have none: march in time \
+         (`ddtSchemes {{ default Euler; }}`) to see what it does",
+        residuals.u, residuals.p, residuals.viscosity
+    )]
+    NoSteadyState {
+        /// Time, s.
+        time: f64,
+        /// Of the state that came nearest.
         residuals: Residuals,
     },
     /// The outer iteration ran away from the flow.

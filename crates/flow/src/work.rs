@@ -23,6 +23,8 @@ pub(crate) struct Work {
     pub(crate) p_start: Vec<f64>,
     /// Time and number of the step before the present one.
     pub(crate) clock_start: (f64, usize),
+    /// Length of a step of pseudo-time on the way to a steady state, s; none: without end.
+    pub(crate) pseudo_step: Option<f64>,
     /// Linear solves of the present step: momentum, pressure.
     pub(crate) solves: [SolveCount; 2],
     /// Where the last sound state of this step had too much stress.
@@ -111,6 +113,7 @@ impl Work {
             u_start: vec![[0.0; 3]; cells],
             p_start: vec![0.0; cells],
             clock_start: (0.0, 0),
+            pseudo_step: None,
             solves: Default::default(),
             beyond: None,
             slowest: 0.0,

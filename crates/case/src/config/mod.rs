@@ -15,6 +15,7 @@ pub use schemes::{GradientKind, Schemes};
 pub use solution::{LinearSolve, Reference, ReferenceCell, Solution};
 pub use transport::{SecondPhase, Transport};
 
+use self::solution::Kind;
 use crate::functions::Planned;
 use crate::{CaseError, Notices, files};
 use granflow_base::{Dims, Vec3};
@@ -78,8 +79,11 @@ impl CaseConfig {
             &solution_dict,
             &control.application,
             pressure,
-            two.is_none() && transport.model != "Newtonian",
-            transport.grains.is_some(),
+            Kind {
+                varies: two.is_none() && transport.model != "Newtonian",
+                granular: transport.grains.is_some(),
+                steady: schemes.ddt == granflow_flow::TimeScheme::Steady,
+            },
             sink,
             notices,
         );

@@ -109,20 +109,22 @@ fn ddt(r: &Reader<'_>, key: &str, two: bool) -> TimeScheme {
     let refuse = |message: &str, help: &str| t.error_at(&at, message, "not available", Some(help));
     let known_schemes = match two {
         true => "write `Euler` (first order)",
-        false => "write `Euler` (first order) or `backward` (second order)",
+        false => {
+            "write `Euler` (first order), `backward` (second order) or `steadyState` (no time)"
+        }
     };
     match word {
         "Euler" => {}
         "backward" if !two => return TimeScheme::Backward,
+        "steadyState" if !two => return TimeScheme::Steady,
         "backward" => {
             refuse("two phases move by the Euler scheme only", "write `Euler`");
             return TimeScheme::Euler;
         }
         "steadyState" => {
             refuse(
-                "the steady solver is not there yet",
-                "march in time with any deltaT (`Euler`): a long step comes close to a steady \
-                 iteration",
+                "the steady solver is for one fluid",
+                "march in time (`Euler`), with steps as long as the interface allows",
             );
             return TimeScheme::Euler;
         }
@@ -132,12 +134,12 @@ fn ddt(r: &Reader<'_>, key: &str, two: bool) -> TimeScheme {
         }
         "" => return TimeScheme::Euler,
         _ => {
-            let known = ["Euler", "backward"];
+            let known = ["Euler", "backward", "steadyState"];
             let near =
                 nearest(word, known).map_or(String::new(), |n| format!("did you mean `{n}`? "));
             refuse(
                 &format!("unknown time scheme `{word}`"),
-                &format!("{near}known schemes are Euler, backward"),
+                &format!("{near}known schemes are Euler, backward, steadyState"),
             );
             return TimeScheme::Euler;
         }

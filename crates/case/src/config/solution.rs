@@ -8,11 +8,12 @@
 //! | nCorrectors | 1 | 2 |
 //! | solver of U | GAMG, relTol 1e-3 | PBiCGStab with DILU, 1e-10 |
 //! | solver of p | GAMG, relTol 1e-3 | GAMG, 1e-10 |
-//! | solver of fluidity | PBiCGStab with DILU, 1e-10 (its Jacobian may be indefinite) | |
+//! | solver of fluidity | PBiCGStab with DILU, 1e-10, relTol 1e-2 (its Jacobian may be indefinite) | |
 //! | residualControl U, p | 1e-8 | 1e-8 |
-//! | residualControl viscosity | 1e-7 | |
+//! | residualControl viscosity | 1e-7 (steadyState: 1e-8) | |
 //! | residualControl fluidity | 1e-10 | |
 //!
+//! `ddtSchemes steadyState` takes 150 outer iterations of either, and reads SIMPLE first.
 //! With more than one outer iteration, and for granular models always, momentum and continuity are
 //! solved together: the solvers of U and p precondition, to an accuracy that is fixed, and their
 //! tolerances, nCorrectors, nNonOrthogonalCorrectors and momentumPredictor have no effect.
@@ -116,17 +117,31 @@ const OTHERS: &[&str] = &[
     "cellDisplacement",
 ];
 
+/// What decides defaults.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kind {
+    /// Whether the viscosity follows the flow.
+    pub(super) varies: bool,
+    /// Whether the fluid is made of grains.
+    pub(super) granular: bool,
+    /// Whether a steady state is looked for.
+    pub(super) steady: bool,
+}
+
+/// When a steady state is found.
+const STEADY: ResidualControl = ResidualControl { u: 1e-8, p: 1e-8, viscosity: 1e-8 };
+
 impl Solution {
     /// Reads the dictionary (empty when the file is missing); mistakes go to the sink.
     pub(super) fn read(
         dict: &Dict,
         application: &str,
         pressure: &str,
-        varies: bool,
-        granular: bool,
+        kind: Kind,
         sink: &Sink,
         notices: &Notices,
     ) -> Solution {
+        let Kind { varies, steady, .. } = kind;
         let r = Reader::new(dict, sink);
         let default_u = if varies { ("GAMG", None) } else { ("PBiCGStab", Some("DILU")) };
         let (mut u, mut p, mut fluidity) = (
@@ -134,6 +149,8 @@ impl Solution {
             LinearSolve::default_of(("GAMG", None), 1e-10),
             LinearSolve::default_of(("PBiCGStab", Some("DILU")), 1e-10),
         );
+        // Newton's method needs no more of a step than that.
+        fluidity.tolerance.rel = 1e-2;
         if varies {
             for t in [&mut u.tolerance, &mut u.last, &mut p.tolerance, &mut p.last] {
                 *t = Tolerance { abs: 1e-12, rel: 1e-3, ..*t };
@@ -168,16 +185,17 @@ impl Solution {
             u,
             p,
             fluidity,
-            outer: if varies { 150 } else { 1 },
+            outer: if varies || steady { 150 } else { 1 },
             correctors: if varies { 1 } else { 2 },
             non_orthogonal_correctors: 0,
             frozen: false,
             predictor: true,
-            control: ResidualControl::default(),
+            control: if steady { STEADY } else { ResidualControl::default() },
             newton: 1e-10,
             reference: None,
         };
         let order: [&str; 3] = match application {
+            _ if steady => ["SIMPLE", "PIMPLE", "PISO"],
             "icoFoam" | "pisoFoam" | "nonNewtonianIcoFoam" => ["PISO", "PIMPLE", "SIMPLE"],
             _ => ["PIMPLE", "PISO", "SIMPLE"],
         };
@@ -185,7 +203,7 @@ impl Solution {
         for name in order {
             if Some(name) == chosen {
                 if let Some(sub) = r.opt_sub(name) {
-                    out.algorithm(&sub, name, pressure, granular);
+                    out.algorithm(&sub, name, pressure, kind);
                 }
             } else if let Some(sub) = r.entry(name).and_then(|_| r.opt_sub(name)) {
                 sub.ignore_all();
@@ -207,7 +225,7 @@ impl Solution {
         out
     }
 
-    fn algorithm(&mut self, r: &Reader<'_>, name: &str, pressure: &str, granular: bool) {
+    fn algorithm(&mut self, r: &Reader<'_>, name: &str, pressure: &str, kind: Kind) {
         let count = |key: &str, default: usize, least: i64| {
             r.opt_label_in(key, least..=i64::from(i32::MAX), default as i64) as usize
         };
@@ -220,7 +238,7 @@ impl Solution {
                     Some("name the dictionary PIMPLE for outer iterations"),
                 );
             }
-            if !granular {
+            if !kind.granular && !kind.steady {
                 self.outer = 1;
             }
         }

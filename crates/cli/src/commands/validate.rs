@@ -120,7 +120,7 @@ fn computed(
         match run.advance()? {
             Event::Step(step) => unconverged += usize::from(!step.report.converged),
             Event::Done(End::Stopped) => return Ok((Vec::new(), unconverged)),
-            Event::Done(End::EndTime) => break,
+            Event::Done(End::EndTime | End::Steady) => break,
         }
     }
     let mut figures = run.finish(sink)?;

@@ -222,6 +222,11 @@ pub trait Rheology: Send {
     ) -> Result<RheologyInfo, RheologyError>;
     /// Called when a time step begins: old-time values of the model's own fields are set here.
     fn begin_step(&mut self) {}
+    /// To be called before the outcome of a pass is believed: true where the last update followed from the
+    /// one before, and not from the flow alone; the next one will not.
+    fn doubt(&mut self) -> bool {
+        false
+    }
     /// Takes the model's own fields back to where [`Self::begin_step`] found them.
     fn rollback(&mut self) {}
     /// Drops what the model's own fields hold as a guess of what comes; history stays.

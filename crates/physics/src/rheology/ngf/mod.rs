@@ -17,6 +17,7 @@
 
 mod law;
 mod rates;
+mod solve;
 mod spread;
 
 pub use law::{Form, Law};
@@ -25,7 +26,7 @@ use self::law::Local;
 use self::spread::InnerFit;
 use super::beyond::beyond;
 use super::{
-    Entry, Floors, FlowView, FluidContext, Granular, Rheology, RheologyError, RheologyInfo, Share,
+    Entry, FlowView, FluidContext, Granular, Rheology, RheologyError, RheologyInfo, Share,
 };
 use granflow_base::Dims;
 use granflow_dict::Reader;
@@ -33,7 +34,7 @@ use granflow_fv::conditions::ZeroGradient;
 use granflow_fv::{
     CellField, Condition, Equation, FaceField, Surroundings, Terms, Unknown, div, laplacian,
 };
-use granflow_linsolve::{Csr, LinearSolver, SolveError, Tolerance};
+use granflow_linsolve::{LinearSolver, Tolerance};
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
 
@@ -59,6 +60,8 @@ pub struct Ngf {
     /// Whether `g_old` holds one although `g` does not: the step iterates from a guess, and history
     /// is what it was.
     remembers: bool,
+    /// Whether `g` is the solution of an earlier update of this step, from which the next one follows.
+    follows: bool,
     numerics: NgfNumerics,
     eqn: Equation<f64>,
     /// Share of the faces through which the fluidity spreads: 1 but beside another fluid.
@@ -93,62 +96,6 @@ pub(super) const ENTRY: Entry = Entry {
                 Phys. Rev. Lett. 113 (2014) 178001",
     read: |r, context| Box::new(Ngf::read(r, context)),
 };
-
-/// What the balance of the equation reads besides the fluidity itself.
-struct Balance<'a> {
-    law: Law,
-    a: &'a Csr,
-    linear: &'a [f64],
-    linear_b: &'a [f64],
-    g_old: &'a [f64],
-    rate: &'a [f64],
-    local: &'a [f64],
-    spread: &'a [f64],
-    /// Stress ratios that are held in place of the strain rate, where they are numbers; may be empty.
-    held: &'a [f64],
-}
-
-impl Balance<'_> {
-    /// Fills `terms` for the fluidity `g` (ghosts fresh) and returns the greatest imbalance.
-    fn of(&self, v: &FlowView<'_>, g: &[f64], terms: &mut [Local]) -> f64 {
-        let (a, volume) = (self.a, &v.mesh.volume);
-        v.exec.for_each(terms, |first, out| {
-            for (i, t) in out.iter_mut().enumerate() {
-                let c = first + i;
-                if !v.has(c) {
-                    *t = Local::NOTHING;
-                    continue;
-                }
-                // What enters or leaves with the surface of the grains counts as carried.
-                let g_old = v.share.map_or(1.0, |s| s.old[c] / s.now[c]) * self.g_old[c];
-                let g_old = g_old.max(self.law.grains.floors.fluidity);
-                let [rate, spread, local] = [self.rate[c], self.spread[c], self.local[c]];
-                let held = self.held.get(c).filter(|mu| mu.is_finite());
-                let rate = held.map_or(rate, |mu| mu * g[c]);
-                *t = self.law.cell_mean(g[c], g_old, rate, spread, local, v.dt);
-                if held.is_some() {
-                    // The rate follows g.
-                    t.slope += t.of_rate / g[c];
-                }
-                if v.share.is_some() {
-                    *t = t.scaled(v.share(c));
-                }
-                // A g - b of the linear part, and the size of its terms.
-                let (mut sum, mut size) = (-self.linear_b[c], self.linear_b[c].abs());
-                for k in a.ptr[c] as usize..a.ptr[c + 1] as usize {
-                    let part = self.linear[k] * g[a.col[k] as usize];
-                    sum += part;
-                    size += part.abs();
-                }
-                t.size += size / volume[c];
-                t.k += sum / volume[c];
-                t.imbalance = -t.k / t.size;
-            }
-        });
-        let terms = &*terms;
-        v.exec.max(terms.len(), |r| r.map(|c| terms[c].imbalance.abs()).fold(0.0, f64::max))
-    }
-}
 
 impl Ngf {
     /// Reads the coefficients and allocates the equation.
@@ -192,6 +139,7 @@ impl Ngf {
             g_old: vec![0.0; all],
             known: false,
             remembers: false,
+            follows: false,
             numerics,
             linear: vec![0.0; eqn.a.val.len()],
             eqn,
@@ -211,187 +159,6 @@ impl Ngf {
             held: Vec::with_capacity(n),
             touching: vec![0.0; all],
         }
-    }
-
-    /// The branch that leads to the true root: the local law's fluidity, rate/mu(I), smoothed by
-    /// one solve with the sink of material at rest. (From above, Newton would end on the spurious
-    /// root mu = mu_s, which the steady form has at any strain rate.)
-    fn start_from_local_law(
-        &mut self,
-        v: &FlowView<'_>,
-        info: &mut RheologyInfo,
-    ) -> Result<(), RheologyError> {
-        let Granular { mu_s, mu_2, d, .. } = self.law.grains;
-        let q = (mu_2 - mu_s) * mu_s / mu_2 / (self.law.a * d).powi(2);
-        let n = v.mesh.n_cells;
-        let (ptr, diag, linear) = (&self.eqn.a.ptr, &self.eqn.a.diag, &self.linear);
-        let (rate, local, grains) = (&self.rate, &self.local, self.law.grains);
-        let volume = &v.mesh.volume;
-        let law = |c: usize| rate[c] / grains.mu(rate[c] / local[c]);
-        // Unknown: the ratio to the local law, so that far decades are as exact as near ones.
-        v.exec.for_each(&mut self.trial[..n], |first, out| {
-            out.iter_mut().enumerate().for_each(|(i, g)| *g = law(first + i));
-        });
-        v.mesh.halo.update(v.exec, &mut self.trial);
-        let (trial, col) = (&self.trial, &self.eqn.a.col);
-        let linear_b = &self.linear_b;
-        v.exec.for_each_row(ptr, &mut self.eqn.a.val, &mut self.eqn.b, |first, val, b| {
-            let base = ptr[first] as usize;
-            for (i, b) in b.iter_mut().enumerate() {
-                let c = first + i;
-                let unit = 1.0 / (volume[c] * trial[c]);
-                let q = if v.has(c) { q * v.share(c) } else { q };
-                for k in ptr[c] as usize..ptr[c + 1] as usize {
-                    let sink = if k == diag[c] as usize { q * volume[c] } else { 0.0 };
-                    val[k - base] = (linear[k] + sink) * trial[col[k] as usize] * unit;
-                }
-                *b = q + linear_b[c] * unit;
-            }
-        });
-        self.step[..n].fill(1.0);
-        self.solve(v.exec, info)?;
-        let (step, trial) = (&self.step, &self.trial);
-        let (rate, spread) = (&self.rate, &self.spread);
-        v.exec.for_each(&mut self.g.cells.data[..n], |first, g| {
-            for (i, g) in g.iter_mut().enumerate() {
-                let c = first + i;
-                let least = least_fluidity(rate[c], spread[c], mu_2);
-                *g = (step[c] * trial[c]).max(least);
-            }
-        });
-        v.mesh.halo.update(v.exec, &mut self.g.cells.data);
-        Ok(())
-    }
-
-    fn balance(&self) -> Balance<'_> {
-        Balance {
-            law: self.law,
-            a: &self.eqn.a,
-            linear: &self.linear,
-            linear_b: &self.linear_b,
-            g_old: &self.g_old,
-            rate: &self.rate,
-            local: &self.local,
-            spread: &self.spread,
-            held: &self.held,
-        }
-    }
-
-    /// Solves for `step`; adds what it took to `info`.
-    fn solve(&mut self, exec: &Exec, info: &mut RheologyInfo) -> Result<(), RheologyError> {
-        let failed = |source| RheologyError::Solve { field: "fluidity", source };
-        let solver = &mut self.numerics.solver;
-        solver.refresh(exec, &self.eqn.a).map_err(failed)?;
-        let tolerance = &self.numerics.tolerance;
-        let result = solver.solve(exec, &self.eqn.a, &self.eqn.b, &mut self.step, tolerance);
-        info.solves += 1;
-        info.iterations += match result {
-            Ok(done) | Err(SolveError::Spent(done)) => done.iterations,
-            // Some way is better than none: Newton's residual judges.
-            Err(SolveError::NotConverged(done)) => {
-                info.unconverged += 1;
-                done.iterations
-            }
-            Err(e) => return Err(failed(e)),
-        };
-        Ok(())
-    }
-
-    /// The fluidity at the strain rate of the flow, and at its stress where the rate has no solution.
-    fn newton(&mut self, v: &FlowView<'_>) -> Result<RheologyInfo, RheologyError> {
-        let mut info = RheologyInfo::default();
-        self.held.clear();
-        self.start_from_local_law(v, &mut info)?;
-        self.iterate(v, &mut info)?;
-        if info.residual > UNSOLVED && self.hold_stress(v) {
-            self.iterate(v, &mut info)?;
-        }
-        Ok(info)
-    }
-
-    /// At a given strain rate the equation may have no solution near by, where grains above yield are fed
-    /// from beside (`g > 2 g_loc`): the sink then falls as g grows. At a given stress it has one. Holds
-    /// the stress ratio of such cells; false where no stress is known, and where there is no
-    /// other fluid and so no reason to give up the rate.
-    fn hold_stress(&mut self, v: &FlowView<'_>) -> bool {
-        if v.stress.is_none() || v.share.is_none() {
-            return false;
-        }
-        let Granular { mu_2, floors: Floors { still, .. }, .. } = self.law.grains;
-        let most = mu_2 - LEAST_LEFT * self.law.grains.delta_mu();
-        let (terms, mu, spread) = (&self.terms, &self.mu, &self.spread);
-        self.held.resize(v.mesh.n_cells, f64::NAN);
-        v.exec.for_each(&mut self.held, |first, held| {
-            for (i, held) in held.iter_mut().enumerate() {
-                let c = first + i;
-                let fed = terms[c].of_rate > 0.0 || terms[c].imbalance.abs() > UNSOLVED;
-                *held = match fed {
-                    true => mu[c].min(most / (1.0 + spread[c])).max(still),
-                    false => f64::NAN,
-                };
-            }
-        });
-        true
-    }
-
-    /// Newton in ln g at frozen strain rate, or stress where `held` says so, damped by a pseudo-time step
-    /// that grows as the residual falls (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508).
-    /// Rows are divided by the size of their terms and columns by g, so that every decade counts alike.
-    fn iterate(&mut self, v: &FlowView<'_>, info: &mut RheologyInfo) -> Result<(), RheologyError> {
-        let n = v.mesh.n_cells;
-        let mut terms = std::mem::take(&mut self.terms);
-        let mut trial_terms = std::mem::take(&mut self.trial_terms);
-        let mut residual = self.balance().of(v, &self.g.cells.data, &mut terms);
-        let mut tau = 1.0;
-        let mu_2 = self.law.grains.mu_2;
-        for _ in 0..MOST_NEWTON {
-            if residual <= self.numerics.residual || tau < 1e-12 {
-                break;
-            }
-            let g = &self.g.cells.data;
-            let Equation { a, b, .. } = &mut self.eqn;
-            let (ptr, diag, col, linear) = (&a.ptr, &a.diag, &a.col, &self.linear);
-            let (volume, t) = (&v.mesh.volume, &terms);
-            v.exec.for_each_row(ptr, &mut a.val, b, |first, val, b| {
-                let base = ptr[first] as usize;
-                for (i, b) in b.iter_mut().enumerate() {
-                    let c = first + i;
-                    let unit = 1.0 / (volume[c] * t[c].size);
-                    for k in ptr[c] as usize..ptr[c + 1] as usize {
-                        val[k - base] = linear[k] * g[col[k] as usize] * unit;
-                    }
-                    val[diag[c] as usize - base] += t[c].slope * g[c] / t[c].size + 1.0 / tau;
-                    *b = t[c].imbalance;
-                }
-            });
-            self.step.fill(0.0);
-            self.solve(v.exec, info)?;
-            let (step, rate, g) = (&self.step, &self.rate, &self.g.cells.data);
-            let (spread, held) = (&self.spread, &self.held);
-            v.exec.for_each(&mut self.trial[..n], |first, out| {
-                for (i, trial) in out.iter_mut().enumerate() {
-                    let c = first + i;
-                    let moved = g[c] * step[c].clamp(-2.0, 2.0).exp();
-                    *trial = match held.get(c).is_some_and(|mu| mu.is_finite()) {
-                        true => moved,
-                        false => moved.max(least_fluidity(rate[c], spread[c], mu_2)),
-                    };
-                }
-            });
-            v.mesh.halo.update(v.exec, &mut self.trial);
-            let next = self.balance().of(v, &self.trial, &mut trial_terms);
-            if next < 2.0 * residual + 1e-3 {
-                tau = (tau * 2.0 * (residual / next.max(1e-300)).max(0.5)).min(1e6);
-                std::mem::swap(&mut self.g.cells.data, &mut self.trial);
-                std::mem::swap(&mut terms, &mut trial_terms);
-                residual = next;
-            } else {
-                tau *= 0.1;
-            }
-        }
-        (self.terms, self.trial_terms) = (terms, trial_terms);
-        info.residual = residual;
-        Ok(())
     }
 
     /// The spread of mu within each cell, where the stress is known.
@@ -550,18 +317,6 @@ impl Ngf {
     }
 }
 
-/// The fluidity at which mu reaches mu_2 somewhere in the cell.
-fn least_fluidity(rate: f64, spread: f64, mu_2: f64) -> f64 {
-    rate * (1.0 + spread) / mu_2 * (1.0 + 1e-12)
-}
-
-/// Imbalance of the equation over its terms from which on it is not solved.
-const UNSOLVED: f64 = 1e-6;
-/// Share of `mu_2 - mu_s` that is left of a stress ratio that is held.
-const LEAST_LEFT: f64 = 0.02;
-/// Most Newton iterations of one update.
-const MOST_NEWTON: usize = 200;
-
 impl Rheology for Ngf {
     fn update(
         &mut self,
@@ -589,7 +344,11 @@ impl Rheology for Ngf {
     }
     fn begin_step(&mut self) {
         self.remembers = false;
+        self.follows = false;
         self.g_old.copy_from_slice(&self.g.cells.data);
+    }
+    fn doubt(&mut self) -> bool {
+        std::mem::take(&mut self.follows)
     }
     fn rollback(&mut self) {
         self.g.cells.data.copy_from_slice(&self.g_old);
@@ -597,7 +356,7 @@ impl Rheology for Ngf {
     fn forget(&mut self) {
         self.remembers = self.known && self.law.form != Form::Steady;
         self.g.cells.data.fill(0.0);
-        self.known = false;
+        (self.known, self.follows) = (false, false);
     }
     fn recall(&mut self, v: &FlowView<'_>, eta: &mut CellField<f64>) -> bool {
         let g = &self.g.cells.data;

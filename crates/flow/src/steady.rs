@@ -1,0 +1,194 @@
+//! The steady state, found directly: a step without inertia, iterated until momentum, continuity, viscosity and
+//! the friction of walls balance, from the flow as it is and else from rest.
+//!
+//! Where that does not converge the flow is relaxed in pseudo-time: steps of implicit Euler whose length grows as
+//! long as they converge (W. A. Mulder, B. van Leer, J. Comput. Phys. 59 (1985) 232; convergence: C. T. Kelley,
+//! D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508), until one without end does.
+
+use crate::failure::Guess;
+use crate::{Flow, Report, Residuals, StepError, TimeScheme};
+use granflow_base::norm;
+
+/// A step of such a length, s, has no inertia.
+pub(crate) const FOREVER: f64 = 1e30;
+/// Steps of pseudo-time at most.
+const MOST_STEPS: usize = 60;
+/// Growth of the step after one that converged, and what is left of one that did not.
+const GROWTH: f64 = 4.0;
+const CUT: f64 = 0.1;
+/// Steps, over the first, from which on one without end is tried, and below which there is no hope.
+const LONG: f64 = 1e3;
+const SHORT: f64 = 1e-4;
+
+/// Steps ahead whose conditions are looked at.
+const MOST_LOOKED_AT: f64 = 1e4;
+
+/// The state of a flow, set aside.
+struct Snapshot {
+    u: Vec<granflow_base::Vec3>,
+    p: Vec<f64>,
+    phi: Vec<f64>,
+    field: Option<Vec<f64>>,
+    clock: (f64, usize),
+}
+
+impl Flow {
+    /// The length of a step as inertia sees it, s.
+    pub(crate) fn inertial_step(&self, clock: f64) -> f64 {
+        match self.numerics.ddt {
+            TimeScheme::Steady => self.work.pseudo_step.unwrap_or(FOREVER),
+            TimeScheme::Euler | TimeScheme::Backward => clock,
+        }
+    }
+
+    /// The steady state of the conditions `dt` seconds from now, to which the clock moves.
+    ///
+    /// # Errors
+    /// As [`Flow::step`]; [`StepError::Beyond`] and [`StepError::NoSteadyState`] where none was found.
+    pub(crate) fn find_steady_state(&mut self, dt: f64) -> Result<Report, StepError> {
+        let before = self.snapshot();
+        let direct = self.try_step(dt);
+        let nearest = match direct {
+            Ok(report) if report.converged => return Ok(Report { steady: true, ..report }),
+            Ok(report) => report.residuals,
+            Err(e @ (StepError::Interrupted { .. } | StepError::Beyond { .. })) => return Err(e),
+            Err(_) => self.work.residuals,
+        };
+        let beyond = self.work.beyond;
+        self.restore(&before);
+        let relaxed = self.relax(dt, &before, nearest);
+        self.work.pseudo_step = None;
+        if let Err(StepError::NoSteadyState { time, residuals }) = relaxed
+            && let Some(beyond) = self.work.beyond.or(beyond)
+        {
+            let seen = Box::new(StepError::NoSteadyState { time, residuals });
+            return Err(StepError::Beyond { time, beyond, seen });
+        }
+        relaxed
+    }
+
+    /// Whether velocity and pressure at the boundary ask the same at every step of `dt` seconds until `end`. On
+    /// this rank alone.
+    pub fn conditions_stay(&mut self, dt: f64, end: f64) -> bool {
+        let of = |f: &Flow| (f.state.u.closure.clone(), f.state.p.closure.clone());
+        let (now, here) = (self.state.time, of(self));
+        let left = ((end - now) / dt + 0.5).floor().clamp(0.0, MOST_LOOKED_AT) as usize;
+        let stays = (1..=left).all(|k| {
+            self.state.time = now + k as f64 * dt;
+            self.update_conditions();
+            let there = of(self);
+            let same = |a: &[f64], b: &[f64]| a == b;
+            here.0.offset == there.0.offset
+                && same(&here.0.slope, &there.0.slope)
+                && here.1.offset == there.1.offset
+                && same(&here.1.slope, &there.1.slope)
+        });
+        self.state.time = now;
+        self.update_conditions();
+        stays
+    }
+
+    /// Steps of pseudo-time, longer and longer. What the last of them would take back is all of them.
+    fn relax(
+        &mut self,
+        dt: f64,
+        before: &Snapshot,
+        mut nearest: Residuals,
+    ) -> Result<Report, StepError> {
+        let first = self.time_of_a_cell();
+        let mut tau = first;
+        let mut total = Report::default();
+        let time = before.clock.0 + dt;
+        for _ in 0..MOST_STEPS {
+            let endless = tau > LONG * first;
+            self.work.pseudo_step = if endless { None } else { Some(tau) };
+            self.state.time = before.clock.0;
+            let last = self.snapshot();
+            let step = match self.advance(dt, Guess::Old) {
+                Ok(step) => step,
+                Err(e @ StepError::Interrupted { .. }) => {
+                    self.restore(before);
+                    return Err(e);
+                }
+                Err(_) => None,
+            };
+            if let Some(report) = step {
+                total.outer += report.outer;
+                let done = Report { outer: total.outer, steady: true, ..report };
+                if endless && report.residuals.u < nearest.u {
+                    nearest = report.residuals;
+                }
+                if endless && report.converged {
+                    self.remember_start(before);
+                    return Ok(done);
+                }
+            }
+            if step.is_some_and(|r| r.converged || !endless && r.residuals.u < RELAXED) {
+                tau *= GROWTH;
+            } else {
+                self.restore(&last);
+                tau *= CUT;
+                if tau < SHORT * first {
+                    break;
+                }
+            }
+        }
+        self.restore(before);
+        self.state.time = time;
+        Err(StepError::NoSteadyState { time, residuals: nearest })
+    }
+
+    /// The time in which the flow crosses a cell, or falls through it, s: the first step of pseudo-time.
+    fn time_of_a_cell(&self) -> f64 {
+        let (mesh, state) = (&self.mesh, &self.state);
+        let size = self.exec.max(mesh.n_cells, |r| {
+            r.map(|c| 1.0 / mesh.cell_size(c)).fold(0.0, f64::max)
+        });
+        let size = 1.0 / size;
+        let inside = |c: usize| norm(state.u.cells.data[c]);
+        let moving = self.exec.max(mesh.n_cells, |r| r.map(inside).fold(0.0, f64::max));
+        let n = mesh.n_faces() - mesh.n_inner;
+        let wall = |b: usize| norm(state.u.boundary_value(mesh, mesh.n_inner + b));
+        let walls = self.exec.max(n, |r| r.map(wall).fold(0.0, f64::max));
+        let falling = (norm(self.gravity.driving) * size).sqrt();
+        let speed = moving.max(walls).max(falling);
+        if speed > 0.0 { size / speed } else { 1.0 }
+    }
+
+    fn snapshot(&self) -> Snapshot {
+        let s = &self.state;
+        Snapshot {
+            u: s.u.cells.data.clone(),
+            p: s.p.cells.data.clone(),
+            phi: s.phi.data.clone(),
+            field: self.fluid.rheology.field().map(|f| f.data.clone()),
+            clock: (s.time, s.step),
+        }
+    }
+
+    fn restore(&mut self, to: &Snapshot) {
+        self.rollback();
+        let s = &mut self.state;
+        s.u.cells.data.copy_from_slice(&to.u);
+        s.p.cells.data.copy_from_slice(&to.p);
+        s.phi.data.copy_from_slice(&to.phi);
+        (s.time, s.step) = to.clock;
+        if let (Some(field), Some(kept)) = (self.fluid.rheology.field_mut(), &to.field) {
+            field.data.copy_from_slice(kept);
+        }
+        self.update_conditions();
+    }
+
+    /// The start of the step is that of all its pseudo-time.
+    fn remember_start(&mut self, before: &Snapshot) {
+        let w = &mut self.work;
+        w.u_start.copy_from_slice(&before.u);
+        w.p_start.copy_from_slice(&before.p);
+        w.phi_start.copy_from_slice(&before.phi);
+        w.clock_start = before.clock;
+        self.state.step = before.clock.1 + 1;
+    }
+}
+
+/// Residual of momentum of a step in pseudo-time that is good enough to go on from.
+const RELAXED: f64 = 1e-3;
