@@ -133,7 +133,7 @@ fn greatest(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Cubic interpolation of the points `(x, y)`, x growing, at `at`.
-fn interpolate(x: &[f64], y: &[f64], at: f64) -> f64 {
+pub(crate) fn interpolate(x: &[f64], y: &[f64], at: f64) -> f64 {
     let k = x.partition_point(|v| *v < at).clamp(2, x.len() - 2) - 2;
     (k..k + 4)
         .map(|i| {

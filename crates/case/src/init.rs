@@ -13,18 +13,19 @@ pub fn from_orig(root: &Path) -> Result<bool, StoreError> {
         return Ok(false);
     }
     let mut dir = DirWriter::begin(&zero)?;
-    copy(&orig, Path::new(""), &mut dir)?;
+    copy_tree(&orig, Path::new(""), &mut dir)?;
     dir.commit()?;
     Ok(true)
 }
 
-fn copy(from: &Path, rel: &Path, to: &mut DirWriter) -> Result<(), StoreError> {
+/// Copies what is below `from` to `rel` of what is being written.
+pub(crate) fn copy_tree(from: &Path, rel: &Path, to: &mut DirWriter) -> Result<(), StoreError> {
     let fail = |e| StoreError::new(Operation::Read, from, e);
     for entry in std::fs::read_dir(from).map_err(fail)? {
         let entry = entry.map_err(fail)?;
         let (path, rel) = (entry.path(), rel.join(entry.file_name()));
         if path.is_dir() {
-            copy(&path, &rel, to)?;
+            copy_tree(&path, &rel, to)?;
         } else {
             let bytes = std::fs::read(&path)
                 .map_err(|e| StoreError::new(Operation::Read, path.clone(), e))?;

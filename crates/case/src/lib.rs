@@ -26,6 +26,7 @@ mod run;
 mod section;
 pub mod set_fields;
 pub mod store;
+pub mod study;
 mod superseded;
 mod tensile;
 mod waves;

@@ -40,6 +40,10 @@ pub enum Command {
     Plot(Place),
     /// Write the times as VTK files: VTK/TIME.vtu and VTK/case.pvd
     Export(Place),
+    /// Run a case at many values of a parameter (system/sweepDict): table and figures
+    Sweep(Study),
+    /// Find parameters of a case from measured profiles (system/fitDict)
+    Fit(Study),
     /// Run built-in cases and compare them with their references
     Validate(Validate),
 }
@@ -78,6 +82,28 @@ pub struct Place {
     /// Directory of the case
     #[arg(default_value = ".")]
     pub case: PathBuf,
+}
+
+/// `granflow sweep` and `granflow fit`.
+#[derive(Debug, clap::Args)]
+pub struct Study {
+    /// Directory of the case
+    #[arg(default_value = ".")]
+    pub case: PathBuf,
+    /// Threads, or points at a time where they are independent [default: all cores]
+    #[arg(short = 'j', long = "threads", value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Another dictionary of the case than system/sweepDict or system/fitDict
+    #[arg(short, long, value_name = "FILE")]
+    pub dict: Option<String>,
+}
+
+impl Study {
+    /// As many as asked for, or as there are cores.
+    pub(crate) fn threads(&self) -> usize {
+        let cores = || std::thread::available_parallelism().map_or(1, usize::from);
+        self.threads.map_or_else(cores, usize::from)
+    }
 }
 
 /// `granflow new`.

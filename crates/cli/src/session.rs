@@ -47,6 +47,8 @@ pub(crate) fn run(args: impl IntoIterator<Item = OsString>) -> i32 {
         Command::List(a) => commands::list::command(&mut session, a),
         Command::Plot(a) => commands::plot::command(&mut session, a),
         Command::Export(a) => commands::export::command(&mut session, a),
+        Command::Sweep(a) => commands::sweep::command(&mut session, a),
+        Command::Fit(a) => commands::fit::command(&mut session, a),
         Command::Validate(a) => commands::validate::command(&mut session, a),
     };
     finish(session, outcome)

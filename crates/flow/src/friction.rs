@@ -10,10 +10,11 @@
 
 use crate::Flow;
 use crate::two_phase::Grains;
-use granflow_base::{Value, Vec3, dot, norm, scale, sub};
+use granflow_base::{Value, Vec3, apply, dot, norm, scale, sub};
 use granflow_fv::{FaceField, Unknown};
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
+use granflow_physics::rheology::{Beyond, magnitude};
 use std::ops::Range;
 
 /// The walls with friction of a flow.
@@ -165,6 +166,63 @@ impl Friction {
                 }
             });
         }
+    }
+}
+
+impl Flow {
+    /// Where grains that slide along walls have a stress ratio of `mu_2` or more on the wall: its friction there,
+    /// and what the cell bears in directions that the wall does not see; in the corner with a free surface, where
+    /// pressure and stress vanish together, what drives the flow over what presses the grains together
+    /// (`tan^2(theta) + mu_wall^2 < mu_2^2` on a slope). None for laws without a field of their own.
+    pub(crate) fn beyond_at_walls(&self) -> Option<Beyond> {
+        let grains = self.fluid.rheology.grains()?;
+        if self.fluid.rheology.is_local() || self.two_phase.is_some() {
+            return None;
+        }
+        let Flow { mesh, state, work: w, .. } = self;
+        let mut worst: Option<Beyond> = None;
+        for wall in &w.friction.walls {
+            for f in wall.faces.clone().filter(|&f| slides(mesh, &state.u, f)) {
+                let (c, n) = (mesh.owner[f] as usize, mesh.normal(f));
+                let p = w.pressure[c].max(grains.loose());
+                let stress = &w.stress[c];
+                let traction = apply(stress, n);
+                let along = traction.axpy(-dot(traction, n), n);
+                let rest = magnitude(stress).powi(2) - dot(along, along);
+                let rest = rest.max(0.0).sqrt() / p;
+                let mu = rest.max(self.slope_at_surface(c)).hypot(wall.mu);
+                if mu < grains.mu_2 {
+                    continue;
+                }
+                let cells = worst.map_or(0, |b| b.cells) + 1;
+                let inertial = grains.inertial_number(w.strain_rate[c], p);
+                let here = Beyond {
+                    mu,
+                    mu_2: grains.mu_2,
+                    inertial,
+                    cell: mesh.global_cell[c] as usize,
+                    place: mesh.face_centre[f],
+                    cells,
+                };
+                worst = Some(match worst {
+                    Some(b) if b.mu >= mu => Beyond { cells, ..b },
+                    _ => here,
+                });
+            }
+        }
+        worst
+    }
+}
+
+impl Flow {
+    /// What drives the grains of a cell along its free surface over what presses them together; 0 away from one.
+    fn slope_at_surface(&self, c: usize) -> f64 {
+        let Flow { mesh, state, gravity, .. } = self;
+        let (drives, presses) = (norm(gravity.driving), gravity.hydrostatic);
+        let open = |f: &usize| *f >= mesh.n_inner && state.p.closure.slope[f - mesh.n_inner] == 0.0;
+        let surface = mesh.faces_of(c).map(|(f, _)| f).find(open);
+        let pressed = surface.map_or(0.0, |f| dot(presses, mesh.normal(f)).abs());
+        if pressed > 0.0 { drives / pressed } else { 0.0 }
     }
 }
 

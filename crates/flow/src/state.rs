@@ -265,6 +265,18 @@ pub enum StepError {
         /// Of the state that came nearest.
         residuals: Residuals,
     },
+    /// The equations of the cells have a solution, but walls with friction beside them ask for more.
+    #[error(
+        "a solution of the cells' equations (momentum {:.1e}) whose grains slide along a wall with more stress \
+         than they carry: a finer mesh would not have it",
+        residuals.u
+    )]
+    AtWalls {
+        /// Time, s.
+        time: f64,
+        /// Of that solution.
+        residuals: Residuals,
+    },
     /// The outer iteration ran away from the flow.
     #[error(
         "the outer iteration diverged at time {time} (residuals: momentum {:.1e}, continuity {:.1e}): start \

@@ -49,7 +49,7 @@ impl Flow {
         let before = self.snapshot();
         let direct = self.try_step(dt);
         let nearest = match direct {
-            Ok(report) if report.converged => return Ok(Report { steady: true, ..report }),
+            Ok(report) if report.converged => return self.believe(report),
             Ok(report) => report.residuals,
             Err(e @ (StepError::Interrupted { .. } | StepError::Beyond { .. })) => return Err(e),
             Err(_) => self.work.residuals,
@@ -65,6 +65,19 @@ impl Flow {
             return Err(StepError::Beyond { time, beyond, seen });
         }
         relaxed
+    }
+
+    /// A converged state, but where walls ask for more stress than grains carry: cells beside them, whose mean is less,
+    /// may still have a solution.
+    fn believe(&self, report: Report) -> Result<Report, StepError> {
+        match self.beyond_at_walls() {
+            None => Ok(Report { steady: true, ..report }),
+            Some(beyond) => {
+                let (time, residuals) = (report.time, report.residuals);
+                let seen = Box::new(StepError::AtWalls { time, residuals });
+                Err(StepError::Beyond { time, beyond, seen })
+            }
+        }
     }
 
     /// Whether velocity and pressure at the boundary ask the same at every step of `dt` seconds until `end`. On
@@ -120,7 +133,7 @@ impl Flow {
                 }
                 if endless && report.converged {
                     self.remember_start(before);
-                    return Ok(done);
+                    return self.believe(done);
                 }
             }
             if step.is_some_and(|r| r.converged || !endless && r.residuals.u < RELAXED) {

@@ -490,8 +490,10 @@ impl Flow {
 
 /// Passes without progress of the viscosity before its noise is suspected.
 const PATIENCE: usize = 4;
+/// Change of ln(viscosity) above which it is on its way, and more than noise.
+const ROUGH: f64 = 0.1;
 /// A viscosity that stalls is noisy: near yield it depends so steeply on the stress that what
-/// momentum leaves unbalanced shows. Then momentum is solved more exactly for the rest of the step.
+/// momentum leaves unbalanced shows. Then momentum is solved more exactly until it makes progress again.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Patience {
     best: f64,
@@ -510,11 +512,13 @@ impl Patience {
     fn note(&mut self, residual: f64) {
         if residual < 0.5 * self.best {
             (self.best, self.since) = (residual, 0);
+            self.care = (10.0 * self.care).min(1.0);
             return;
         }
         self.since += 1;
         if self.since >= PATIENCE {
-            (self.since, self.care) = (0, (0.1 * self.care).max(1e-4));
+            let least = if residual > ROUGH { 1e-1 } else { 1e-4 };
+            (self.since, self.care) = (0, (0.1 * self.care).max(least));
         }
     }
 }

@@ -2,12 +2,14 @@
 
 pub(crate) mod check;
 pub(crate) mod export;
+pub(crate) mod fit;
 pub(crate) mod init;
 pub(crate) mod list;
 pub(crate) mod mesh;
 pub(crate) mod new;
 pub(crate) mod plot;
 pub(crate) mod run;
+pub(crate) mod sweep;
 pub(crate) mod validate;
 
 use crate::failure::Failure;
