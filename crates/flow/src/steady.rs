@@ -50,6 +50,10 @@ impl Flow {
         let direct = self.try_step(dt);
         let nearest = match direct {
             Ok(report) if report.converged => return self.believe(report),
+            // All but there: relaxation would come no nearer.
+            Ok(report) if self.stalled(&report.residuals) => {
+                return Ok(Report { steady: true, ..report });
+            }
             Ok(report) => report.residuals,
             Err(e @ (StepError::Interrupted { .. } | StepError::Beyond { .. })) => return Err(e),
             Err(_) => self.work.residuals,
@@ -65,6 +69,12 @@ impl Flow {
             return Err(StepError::Beyond { time, beyond, seen });
         }
         relaxed
+    }
+
+    /// Whether forces and fluxes balance and only the viscosity keeps a little noise.
+    fn stalled(&self, now: &Residuals) -> bool {
+        let control = &self.numerics.control;
+        now.u <= control.u && now.p <= control.p && now.viscosity <= NOISE
     }
 
     /// A converged state, but where walls ask for more stress than grains carry: cells beside them, whose mean is less,
@@ -203,5 +213,7 @@ impl Flow {
     }
 }
 
+/// Change of ln(viscosity) that counts as noise.
+const NOISE: f64 = 1e-4;
 /// Residual of momentum of a step in pseudo-time that is good enough to go on from.
 const RELAXED: f64 = 1e-3;

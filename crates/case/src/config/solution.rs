@@ -11,7 +11,7 @@
 //! | solver of fluidity | PBiCGStab with DILU, 1e-10, relTol 1e-2 (its Jacobian may be indefinite) | |
 //! | residualControl U, p | 1e-8 | 1e-8 |
 //! | residualControl viscosity | 1e-7 (steadyState: 1e-8) | |
-//! | residualControl fluidity | 1e-10 | |
+//! | residualControl fluidity | 1e-10 (steadyState: 1e-12) | |
 //!
 //! `ddtSchemes steadyState` takes 150 outer iterations of either, and reads SIMPLE first.
 //! With more than one outer iteration, and for granular models always, momentum and continuity are
@@ -191,7 +191,7 @@ impl Solution {
             frozen: false,
             predictor: true,
             control: if steady { STEADY } else { ResidualControl::default() },
-            newton: 1e-10,
+            newton: if steady { 1e-12 } else { 1e-10 },
             reference: None,
         };
         let order: [&str; 3] = match application {
