@@ -48,17 +48,21 @@ impl Flow {
     pub(crate) fn find_steady_state(&mut self, dt: f64) -> Result<Report, StepError> {
         let before = self.snapshot();
         let direct = self.try_step(dt);
-        let nearest = match direct {
-            Ok(report) if report.converged => return self.believe(report),
+        let nearest = match &direct {
+            Ok(report) if report.converged => return self.believe(*report),
             // All but there: relaxation would come no nearer.
             Ok(report) if self.stalled(&report.residuals) => {
-                return Ok(Report { steady: true, ..report });
+                return Ok(Report { steady: true, ..*report });
             }
             Ok(report) => report.residuals,
-            Err(e @ (StepError::Interrupted { .. } | StepError::Beyond { .. })) => return Err(e),
+            Err(StepError::Interrupted { .. }) => return direct,
             Err(_) => self.work.residuals,
         };
-        let beyond = self.work.beyond;
+        let beyond = match direct {
+            // Stress that an iteration that went astray has asked for says nothing yet.
+            Err(StepError::Beyond { beyond, .. }) => Some(beyond),
+            _ => self.work.beyond,
+        };
         self.restore(&before);
         let relaxed = self.relax(dt, &before, nearest);
         self.work.pseudo_step = None;

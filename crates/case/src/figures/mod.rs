@@ -57,7 +57,18 @@ use table::Table;
 /// # Errors
 /// The file is there and cannot be read.
 pub fn check(root: &Path, sink: &Sink) -> Result<(), CaseError> {
-    read(root, Look::AtForm, sink).map(drop)
+    check_in(root, PLOT, sink)
+}
+
+/// The dictionary of a case's figures.
+const PLOT: &str = "system/plotDict";
+
+/// The same for the `figures` of another dictionary, whose other entries are its own.
+///
+/// # Errors
+/// The file is there and cannot be read.
+pub(crate) fn check_in(root: &Path, dict: &str, sink: &Sink) -> Result<(), CaseError> {
+    read(root, dict, Look::AtForm, sink).map(drop)
 }
 
 /// What a figure is.
@@ -83,8 +94,16 @@ enum Look {
 /// # Errors
 /// [`CaseError::Invalid`] with the mistakes in the sink; a figure cannot be drawn or written.
 pub fn draw(root: &Path, sink: &Sink) -> Result<Vec<PathBuf>, CaseError> {
+    draw_in(root, PLOT, sink)
+}
+
+/// The same for the `figures` of another dictionary.
+///
+/// # Errors
+/// As [`draw`].
+pub(crate) fn draw_in(root: &Path, dict: &str, sink: &Sink) -> Result<Vec<PathBuf>, CaseError> {
     let before = sink.n_errors();
-    let drawn = read(root, Look::AtData, sink)?;
+    let drawn = read(root, dict, Look::AtData, sink)?;
     if sink.n_errors() > before {
         return Err(CaseError::Invalid);
     }
@@ -112,10 +131,23 @@ enum Figure {
     Solid(SolidFigure),
 }
 
-/// The figures of `system/plotDict` with their names.
-fn read(root: &Path, look: Look, sink: &Sink) -> Result<Vec<(String, Figure)>, CaseError> {
-    let Some(dict) = files::dict(root, "system/plotDict", sink)? else { return Ok(Vec::new()) };
+/// The figures of a dictionary with their names.
+fn read(
+    root: &Path,
+    file: &str,
+    look: Look,
+    sink: &Sink,
+) -> Result<Vec<(String, Figure)>, CaseError> {
+    // The mistakes of a dictionary that is somebody else's are said there.
+    let own = file == PLOT;
+    let said = Sink::new();
+    let Some(dict) = files::dict(root, file, if own { sink } else { &said })? else {
+        return Ok(Vec::new());
+    };
     let r = Reader::new(&dict, sink);
+    if !own {
+        r.keys().into_iter().filter(|k| *k != "figures").for_each(|k| r.ignore(k));
+    }
     let (mut out, mut gaps) = (Vec::new(), Gaps::default());
     // The mesh is read once, and only if a figure needs it.
     let mut grid = None;

@@ -267,7 +267,7 @@ impl Fit {
     ) -> Result<(Point, Result<Vec<f64>, String>), FitError> {
         let point = Point::copy(case, root)?;
         for (p, x) in self.parameters.iter().zip(at) {
-            if let Err(e) = point.set(&p.settings, *x) {
+            if let Err(e) = point.set(&p.settings, *x, None) {
                 sink.push(Diag::file(root.display().to_string(), e.to_string()));
                 return Err(FitError::Case(CaseError::Invalid));
             }

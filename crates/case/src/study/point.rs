@@ -55,13 +55,13 @@ impl Point {
         Ok(Point { root: root.to_owned() })
     }
 
-    /// Sets the entries for the parameter's value `x`.
+    /// Sets the entries for the parameter's value `x`, and `y` of its family.
     ///
     /// # Errors
     /// [`EditError`].
-    pub fn set(&self, settings: &[Setting], x: f64) -> Result<(), EditError> {
+    pub fn set(&self, settings: &[Setting], x: f64, y: Option<f64>) -> Result<(), EditError> {
         for s in settings {
-            let text = s.text(x).map_err(|_| EditError::NoEntry {
+            let text = s.text(x, y).map_err(|_| EditError::NoEntry {
                 file: s.file.clone(),
                 entry: s.entry.clone(),
                 why: "nowhere: its value cannot be evaluated",

@@ -13,7 +13,7 @@ pub struct Setting {
     pub file: String,
     /// Path to the entry, like `NGFCoeffs.d`.
     pub entry: String,
-    /// The value as text; `{...}` holds arithmetic on the parameter `x`.
+    /// The value as text; `{...}` holds arithmetic on the parameter `x` and, in a family, `y`.
     pub value: String,
 }
 
@@ -29,7 +29,7 @@ impl Setting {
                 entry: one.string("entry").to_owned(),
                 value: one.opt_string("value", "{x}").to_owned(),
             };
-            if let Err(e) = setting.text(1.0) {
+            if let Err(e) = setting.text(1.0, Some(1.0)) {
                 one.error_at_key("value", e, "cannot be evaluated", None);
             }
             one.finish(granflow_dict::Severity::Error);
@@ -42,12 +42,15 @@ impl Setting {
         out
     }
 
-    /// The text of the value where the parameter is `x`.
+    /// The text of the value where the parameter is `x` and that of its family `y`.
     ///
     /// # Errors
     /// What is wrong with its arithmetic.
-    pub fn text(&self, x: f64) -> Result<String, String> {
-        let table = Table { names: vec!["x".into(), "pi".into()], columns: vec![vec![x], vec![PI]] };
+    pub fn text(&self, x: f64, y: Option<f64>) -> Result<String, String> {
+        let names = ["x", "pi", "y"].map(String::from);
+        let values = [Some(x), Some(PI), y].into_iter().flatten();
+        let columns: Vec<Vec<f64>> = values.map(|v| vec![v]).collect();
+        let table = Table { names: names[..columns.len()].to_vec(), columns };
         let mut out = String::new();
         let mut rest = self.value.as_str();
         while let Some((before, inner)) = rest.split_once('{') {
@@ -135,7 +138,7 @@ mod tests {
     fn values_are_computed_inside_braces() {
         let of = |value: &str| {
             let (file, entry) = ("f".to_owned(), "e".to_owned());
-            Setting { file, entry, value: value.to_owned() }.text(30.0)
+            Setting { file, entry, value: value.to_owned() }.text(30.0, None)
         };
         assert_eq!(of("{x}").as_deref(), Ok("30"));
         assert_eq!(of("({2*x} 0 {x/60})").as_deref(), Ok("(60 0 0.5)"));

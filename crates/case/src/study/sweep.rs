@@ -14,13 +14,19 @@
 //!     { name torque; file "postProcessing/torque/0/moment.dat"; value "total_z"; }
 //! );
 //! limit { result torque; below 1e-9; points 8; }   // optional: where it ends, by bisection
+//! family                               // optional: all of it for several values `y` of another parameter
+//! {
+//!     parameter gap;  unit mm;  values (5 10);  set ( { file ..; entry ..; value "{y}"; } );
+//! }
+//! figures { .. }                       // optional: as in plotDict; else one of each result
 //! ```
 //!
-//! Point by point a case is written to `sweep/`, and the table to `sweep/<parameter>.csv`.
+//! Point by point a case is written to `sweep/`, and the table to `sweep/<parameter>.csv`; the limits of a family to
+//! `sweep/limit.csv`.
 
 use super::{Point, Quantity, Setting, Solution};
 use crate::output::POST;
-use crate::plot::{Axis, LineFigure, Marker, Scale, Series};
+use crate::plot::{Axis, LineFigure, Marker, PALETTE, Scale, Series};
 use crate::store::write_atomic;
 use crate::{CaseError, Options, files};
 use granflow_dict::{Diag, Reader, Severity, Sink, number};
@@ -46,6 +52,19 @@ pub struct Limit {
     pub points: usize,
 }
 
+/// Another parameter, for each of whose values the sweep is walked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Family {
+    /// Its name.
+    pub parameter: String,
+    /// Its unit; may be empty.
+    pub unit: String,
+    /// Its values.
+    pub values: Vec<f64>,
+    /// What it changes.
+    pub settings: Vec<Setting>,
+}
+
 /// A sweep as the dictionary describes it.
 #[derive(Clone, Debug)]
 pub struct Sweep {
@@ -63,12 +82,18 @@ pub struct Sweep {
     pub results: Vec<Quantity>,
     /// Where it ends.
     pub limit: Option<Limit>,
+    /// The parameter of a family.
+    pub family: Option<Family>,
     spacing: Spacing,
+    /// The dictionary, where it has figures of its own.
+    figures: Option<String>,
 }
 
 /// A point of the table.
 #[derive(Clone, Debug)]
 pub struct Row {
+    /// The family's parameter, where there is one.
+    pub y: Option<f64>,
     /// The parameter.
     pub x: f64,
     /// Its case.
@@ -82,14 +107,25 @@ pub struct Row {
 /// What a sweep came to.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// The points, by the parameter.
+    /// The points, by the parameters.
     pub rows: Vec<Row>,
-    /// The last value that flows and the first that does not.
-    pub limit: Option<(f64, f64)>,
+    /// For each of a family the last value that flows and the first that does not.
+    pub limits: Vec<Ends>,
     /// The table and the figures.
     pub files: Vec<PathBuf>,
     /// Whether the program was asked to stop.
     pub stopped: bool,
+}
+
+/// Where the flow of one of a family ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ends {
+    /// The family's parameter, where there is one.
+    pub y: Option<f64>,
+    /// The last value that flows.
+    pub flows: f64,
+    /// The first that does not.
+    pub stands: f64,
 }
 
 impl Sweep {
@@ -114,6 +150,14 @@ impl Sweep {
             });
             Limit { below, points: l.opt_label_in("points", 0..=60, 8) as usize }
         });
+        let family = r.opt_sub("family").map(|f| Family {
+            parameter: f.word("parameter").to_owned(),
+            unit: f.opt_string("unit", "").to_owned(),
+            values: read_values(&f).0,
+            settings: Setting::read_all(&f),
+        });
+        let figures = r.has("figures").then(|| rel.to_owned());
+        r.ignore("figures");
         let sweep = Sweep {
             parameter: r.word("parameter").to_owned(),
             unit: r.opt_string("unit", "").to_owned(),
@@ -122,9 +166,14 @@ impl Sweep {
             continuation: r.opt_switch("continuation", true),
             results,
             limit,
+            family,
             spacing,
+            figures,
         };
         r.finish(Severity::Error);
+        if sweep.figures.is_some() {
+            crate::figures::check_in(root, rel, sink)?;
+        }
         if sink.has_errors() { Err(CaseError::Invalid) } else { Ok(sweep) }
     }
 
@@ -139,11 +188,44 @@ impl Sweep {
         sink: &Sink,
         tell: &mut dyn FnMut(&Row),
     ) -> Result<Outcome, CaseError> {
+        let Some(family) = &self.family else {
+            let mut out = self.walk(case, None, options, sink, tell)?;
+            self.write(case, sink, &mut out)?;
+            return Ok(out);
+        };
+        // Each of a family goes its own way.
+        let one = Options { threads: 1, ..options.clone() };
+        let mut out = Outcome::default();
+        let walk = |y: f64, own: &Sink| self.walk(case, Some(y), &one, own, &mut |_| ());
+        let mut take = |walked: Outcome| {
+            walked.rows.iter().for_each(&mut *tell);
+            out.stopped |= walked.stopped;
+            out.rows.extend(walked.rows);
+            out.limits.extend(walked.limits);
+            out.stopped
+        };
+        side_by_side(&family.values, options.threads, sink, &walk, &mut take)?;
+        let key = |y: Option<f64>| y.unwrap_or(0.0);
+        out.rows.sort_by(|a, b| key(a.y).total_cmp(&key(b.y)).then(a.x.total_cmp(&b.x)));
+        out.limits.sort_by(|a, b| key(a.y).total_cmp(&key(b.y)));
+        self.write(case, sink, &mut out)?;
+        Ok(out)
+    }
+
+    /// All values of the parameter, and the limit.
+    fn walk(
+        &self,
+        case: &Path,
+        y: Option<f64>,
+        options: &Options,
+        sink: &Sink,
+        tell: &mut dyn FnMut(&Row),
+    ) -> Result<Outcome, CaseError> {
         let mut out = Outcome::default();
         if self.continuation {
             let mut last: Option<Point> = None;
             for &x in &self.values {
-                let row = self.point(case, x, last.as_ref(), options, sink)?;
+                let row = self.point(case, (x, y), last.as_ref(), options, sink)?;
                 tell(&row);
                 if row.solution.found() {
                     last = Some(Point { root: row.root.clone() });
@@ -155,77 +237,30 @@ impl Sweep {
                 }
             }
         } else {
-            self.all_at_once(case, options, sink, tell, &mut out)?;
+            let one = Options { threads: 1, ..options.clone() };
+            let point = |x: f64, own: &Sink| self.point(case, (x, y), None, &one, own);
+            let mut take = |row: Row| {
+                tell(&row);
+                out.stopped |= row.solution.stopped;
+                out.rows.push(row);
+                out.stopped
+            };
+            side_by_side(&self.values, options.threads, sink, &point, &mut take)?;
             // In the order in which they were asked for.
-            let at = |row: &Row| self.values.iter().position(|x| *x == row.x);
-            out.rows.sort_by_key(at);
+            out.rows.sort_by_key(|row| self.values.iter().position(|x| *x == row.x));
         }
         if !out.stopped {
-            self.find_limit(case, options, sink, tell, &mut out)?;
+            self.find_limit(case, y, options, sink, tell, &mut out)?;
         }
         out.rows.sort_by(|a, b| a.x.total_cmp(&b.x));
-        self.write(case, &mut out)?;
         Ok(out)
-    }
-
-    /// Independent points, one thread each.
-    fn all_at_once(
-        &self,
-        case: &Path,
-        options: &Options,
-        sink: &Sink,
-        tell: &mut dyn FnMut(&Row),
-        out: &mut Outcome,
-    ) -> Result<(), CaseError> {
-        let queue = Mutex::new(self.values.iter().copied().collect::<VecDeque<f64>>());
-        let (queue, (done, rows)) = (&queue, channel());
-        let one = Options { threads: 1, ..options.clone() };
-        let mut failed = None;
-        std::thread::scope(|scope| {
-            for _ in 0..options.threads.max(1).min(self.values.len()) {
-                let (done, one) = (done.clone(), &one);
-                scope.spawn(move || {
-                    loop {
-                        let next = queue.lock().ok().and_then(|mut q| q.pop_front());
-                        let Some(x) = next else { break };
-                        // Mistakes of each go to a sink of its own, which is no thing of two threads.
-                        let own = Sink::new();
-                        let row = self.point(case, x, None, one, &own);
-                        let stop = row.as_ref().map_or(true, |r| r.solution.stopped);
-                        if done.send((row, own.take())).is_err() || stop {
-                            break;
-                        }
-                    }
-                });
-            }
-            drop(done);
-            for (row, said) in rows {
-                match row {
-                    Ok(row) => {
-                        tell(&row);
-                        out.stopped |= row.solution.stopped;
-                        out.rows.push(row);
-                    }
-                    Err(e) => {
-                        if let Ok(mut q) = queue.lock() {
-                            q.clear();
-                        }
-                        // The same mistake of many points is said once.
-                        if failed.is_none() {
-                            sink.extend(said.0);
-                            failed = Some(e);
-                        }
-                    }
-                }
-            }
-        });
-        failed.map_or(Ok(()), Err)
     }
 
     /// Halves the gap between what flows and what does not.
     fn find_limit(
         &self,
         case: &Path,
+        y: Option<f64>,
         options: &Options,
         sink: &Sink,
         tell: &mut dyn FnMut(&Row),
@@ -242,7 +277,7 @@ impl Sweep {
                 Spacing::Logarithmic => (flows * stands).sqrt(),
                 Spacing::Linear => 0.5 * (flows + stands),
             };
-            let row = self.point(case, x, Some(&from), options, sink)?;
+            let row = self.point(case, (x, y), Some(&from), options, sink)?;
             tell(&row);
             out.stopped |= row.solution.stopped;
             if out.stopped {
@@ -255,36 +290,48 @@ impl Sweep {
             }
             out.rows.push(row);
         }
-        out.limit = Some((flows, stands));
+        out.limits.push(Ends { y, flows, stands });
         Ok(())
     }
 
     fn point(
         &self,
         case: &Path,
-        x: f64,
+        (x, y): (f64, Option<f64>),
         from: Option<&Point>,
         options: &Options,
         sink: &Sink,
     ) -> Result<Row, CaseError> {
-        let root = case.join("sweep").join(format!("{}_{}", self.parameter, number(x)));
+        let mut root = case.join("sweep");
+        if let (Some(family), Some(y)) = (&self.family, y) {
+            root = root.join(format!("{}_{}", family.parameter, number(y)));
+        }
+        let root = root.join(format!("{}_{}", self.parameter, number(x)));
         let point = Point::copy(case, &root)?;
-        if let Err(e) = point.set(&self.settings, x) {
+        let outer = self.family.as_ref().map_or(&[][..], |f| &f.settings);
+        if let Err(e) = point.set(outer, x, y).and_then(|()| point.set(&self.settings, x, y)) {
             sink.push(Diag::file(root.display().to_string(), e.to_string()));
             return Err(CaseError::Invalid);
         }
         let solution = point.run(from, options, sink)?;
         let of = |q: &Quantity| q.of(&root);
         let results = self.results.iter().map(of).collect();
-        Ok(Row { x, root, solution, results })
+        Ok(Row { y, x, root, solution, results })
     }
 
     /// The table, and a figure for each result.
-    fn write(&self, case: &Path, out: &mut Outcome) -> Result<(), CaseError> {
-        let mut text = self.parameter.clone();
+    fn write(&self, case: &Path, sink: &Sink, out: &mut Outcome) -> Result<(), CaseError> {
+        let mut text = String::new();
+        if let Some(family) = &self.family {
+            let _ = write!(text, "{},", family.parameter);
+        }
+        text += &self.parameter;
         self.results.iter().for_each(|q| text += &format!(",{}", q.name));
         text += ",converged,steady,passes\n";
         for row in &out.rows {
+            if let Some(y) = row.y {
+                let _ = write!(text, "{},", number(y));
+            }
             text += &number(row.x);
             for result in &row.results {
                 // What is missing is no number.
@@ -297,37 +344,138 @@ impl Sweep {
         let table = case.join("sweep").join(format!("{}.csv", self.parameter));
         write_atomic(&table, text.as_bytes())?;
         out.files.push(table);
+        if let Some(dict) = &self.figures {
+            out.files.extend(crate::figures::draw_in(case, dict, sink)?);
+            return Ok(());
+        }
+        let labelled = |name: &str, unit: &str| match unit {
+            "" => name.to_owned(),
+            unit => format!("{name}, {unit}"),
+        };
+        let own = labelled(&self.parameter, &self.unit);
+        let members = |row: &Row| row.y.map_or(0, f64::to_bits);
         for (i, result) in self.results.iter().enumerate() {
-            let of = |r: &Row| Some((r.x, *r.results[i].as_ref().ok()?));
             let flowing = out.rows.iter().filter(|r| r.solution.found());
-            let points: Vec<(f64, f64)> = flowing.filter_map(of).collect();
-            if points.is_empty() {
-                continue;
+            let mut lines: Vec<(Option<f64>, Vec<(f64, f64)>)> = Vec::new();
+            let mut last = None;
+            for row in flowing {
+                let Ok(value) = row.results[i] else { continue };
+                if last != Some(members(row)) {
+                    lines.push((row.y, Vec::new()));
+                    last = Some(members(row));
+                }
+                lines.last_mut().expect("one was pushed").1.push((row.x, value));
             }
-            let unit = if self.unit.is_empty() { String::new() } else { format!(", {}", self.unit) };
-            let axis = |label: String, scale: Scale| Axis { label, scale, range: None };
-            let x: Vec<f64> = points.iter().map(|p| p.0).collect();
-            let y: Vec<f64> = points.iter().map(|p| p.1).collect();
-            let markers = Series::markers("", Marker::nth(0), points.clone());
-            let colour = crate::plot::PALETTE[0];
-            let figure = LineFigure {
-                title: String::new(),
-                x: axis(format!("{}{unit}", self.parameter), scale(&x)),
-                y: axis(result.name.clone(), scale(&y)),
-                series: vec![
-                    Series::line("", points).coloured(colour),
-                    markers.coloured(colour),
-                ],
-                ..LineFigure::default()
+            let name = |y: Option<f64>| match (&self.family, y) {
+                (Some(f), Some(y)) => format!("{} {}", labelled(&f.parameter, &f.unit), number(y)),
+                _ => String::new(),
             };
-            let stem = case.join(POST).join("figures").join(format!("sweep_{}", result.name));
-            let (svg, png) = (stem.with_extension("svg"), stem.with_extension("png"));
-            write_atomic(&svg, figure.to_svg().as_bytes())?;
-            write_atomic(&png, &figure.to_png()?)?;
-            out.files.extend([png, svg]);
+            let lines = lines.into_iter().map(|(y, points)| (name(y), points)).collect();
+            out.files.extend(draw(case, &result.name, (&own, &result.name), lines)?);
+        }
+        if let (Some(family), false) = (&self.family, out.limits.is_empty()) {
+            let middle = |e: &Ends| (e.y.unwrap_or(f64::NAN), 0.5 * (e.flows + e.stands));
+            let points: Vec<(f64, f64)> = out.limits.iter().map(middle).collect();
+            let mut text = format!("{},limit,flows,stands\n", family.parameter);
+            for (e, (y, limit)) in out.limits.iter().zip(&points) {
+                let row = [*y, *limit, e.flows, e.stands].map(number);
+                let _ = writeln!(text, "{}", row.join(","));
+            }
+            let table = case.join("sweep/limit.csv");
+            write_atomic(&table, text.as_bytes())?;
+            out.files.push(table);
+            let outer = labelled(&family.parameter, &family.unit);
+            let lines = vec![(String::new(), points)];
+            out.files.extend(draw(case, "limit", (&outer, &format!("limit of {own}")), lines)?);
         }
         Ok(())
     }
+}
+
+/// A figure of lines with markers, as PNG and SVG.
+fn draw(
+    case: &Path,
+    name: &str,
+    (x, y): (&str, &str),
+    lines: Vec<(String, Vec<(f64, f64)>)>,
+) -> Result<Vec<PathBuf>, CaseError> {
+    let all = || lines.iter().flat_map(|l| l.1.iter());
+    if all().next().is_none() {
+        return Ok(Vec::new());
+    }
+    let axis = |label: &str, values: Vec<f64>| Axis {
+        label: label.to_owned(),
+        scale: scale(&values),
+        range: None,
+    };
+    let x = axis(x, all().map(|p| p.0).collect());
+    let y = axis(y, all().map(|p| p.1).collect());
+    let mut series = Vec::new();
+    for (i, (name, points)) in lines.into_iter().enumerate() {
+        let colour = PALETTE[i % PALETTE.len()];
+        let markers = Series::markers("", Marker::nth(i), points.clone());
+        series.extend([Series::line(name, points).coloured(colour), markers.coloured(colour)]);
+    }
+    let figure = LineFigure { x, y, series, ..LineFigure::default() };
+    let stem = case.join(POST).join("figures").join(format!("sweep_{name}"));
+    let (svg, png) = (stem.with_extension("svg"), stem.with_extension("png"));
+    write_atomic(&svg, figure.to_svg().as_bytes())?;
+    write_atomic(&png, &figure.to_png()?)?;
+    Ok(vec![png, svg])
+}
+
+/// Does `work` on every item, so many at a time, and hands what comes out to `take` until that says stop. Mistakes
+/// of the same kind in many items are said once.
+fn side_by_side<R: Send>(
+    items: &[f64],
+    threads: usize,
+    sink: &Sink,
+    work: &(dyn Fn(f64, &Sink) -> Result<R, CaseError> + Sync),
+    take: &mut dyn FnMut(R) -> bool,
+) -> Result<(), CaseError> {
+    let queue = Mutex::new(items.iter().copied().collect::<VecDeque<f64>>());
+    let (queue, (done, results)) = (&queue, channel());
+    let mut failed = None;
+    std::thread::scope(|scope| {
+        for _ in 0..threads.max(1).min(items.len()) {
+            let done = done.clone();
+            scope.spawn(move || {
+                loop {
+                    let next = queue.lock().ok().and_then(|mut q| q.pop_front());
+                    let Some(x) = next else { break };
+                    // A sink is no thing of two threads.
+                    let own = Sink::new();
+                    let result = work(x, &own);
+                    if done.send((result, own.take())).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(done);
+        let empty = || {
+            if let Ok(mut q) = queue.lock() {
+                q.clear();
+            }
+        };
+        for (result, said) in results {
+            match result {
+                Ok(result) => {
+                    if take(result) {
+                        empty();
+                    }
+                }
+                Err(e) => {
+                    empty();
+                    if failed.is_none() {
+                        sink.extend(said.0);
+                        failed = Some(e);
+                    }
+                }
+            }
+        }
+    });
+    failed.map_or(Ok(()), Err)
 }
 
 impl Limit {

@@ -21,7 +21,8 @@ pub(crate) fn command(session: &mut Session, args: &Study) -> Result<(), Failure
     let sweep = Sweep::read(&args.case, file, &session.sink)?;
     let options = Options { threads: args.threads(), stop: signals.stop(), ..Options::default() };
     session.changed = true;
-    let mut words = vec![sweep.parameter.clone()];
+    let mut words: Vec<String> = sweep.family.iter().map(|f| f.parameter.clone()).collect();
+    words.push(sweep.parameter.clone());
     words.extend(sweep.results.iter().map(|r| r.name.clone()));
     words.extend(["passes".into(), "end".into()]);
     session.out.say(&line(&words));
@@ -44,12 +45,14 @@ pub(crate) fn command(session: &mut Session, args: &Study) -> Result<(), Failure
     if let Some((x, why)) = why {
         session.out.say(&format!("{} {}: {why}", sweep.parameter, rounded(x, 6)));
     }
-    if let Some((flows, stands)) = outcome.limit {
+    for ends in &outcome.limits {
+        let family = sweep.family.as_ref().zip(ends.y);
+        let of = family.map_or(String::new(), |(f, y)| format!("{} {}: ", f.parameter, rounded(y, 6)));
         session.out.say(&format!(
-            "the flow ends between {} {} and {}",
+            "{of}the flow ends between {} {} and {}",
             sweep.parameter,
-            rounded(flows, 6),
-            rounded(stands, 6)
+            rounded(ends.flows, 6),
+            rounded(ends.stands, 6)
         ));
     }
     for file in &outcome.files {
@@ -63,7 +66,8 @@ pub(crate) fn command(session: &mut Session, args: &Study) -> Result<(), Failure
 }
 
 fn told(row: &Row) -> Vec<String> {
-    let mut words = vec![rounded(row.x, 6)];
+    let mut words: Vec<String> = row.y.iter().map(|y| rounded(*y, 6)).collect();
+    words.push(rounded(row.x, 6));
     words.extend(row.results.iter().map(|r| r.as_ref().map_or("-".into(), |v| rounded(*v, 6))));
     words.push(row.solution.passes.to_string());
     let s = &row.solution;
