@@ -1,14 +1,14 @@
 //! Timings: kernels, the annular cell, and one flow through this program and the reference tool.
 //! Runs of different programs alternate in one session; medians are printed.
 
-use crate::{race, run};
+use crate::{race, run, steady};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Instant;
 
-const PARTS: [&str; 4] = ["kernels", "annular", "cavity", "twoPhases"];
+const PARTS: [&str; 5] = ["kernels", "annular", "cavity", "steady", "twoPhases"];
 
 pub(crate) fn task(args: &[String]) -> Result<bool, String> {
     let (mut parts, mut repeat, mut granflow) = (Vec::new(), 3, None);
@@ -50,6 +50,9 @@ pub(crate) fn task(args: &[String]) -> Result<bool, String> {
                 }
                 if wanted("cavity") {
                     part("lid-driven cavity", cavity(&granflow, repeat));
+                }
+                if wanted("steady") {
+                    part("steady states", steady::steady(&granflow));
                 }
                 if wanted("twoPhases") {
                     part("two fluids", race::two_phases(&granflow, repeat, cores));

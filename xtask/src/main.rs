@@ -10,6 +10,7 @@ mod foam_field;
 mod links;
 mod race;
 mod run;
+mod steady;
 mod totals;
 mod validate;
 

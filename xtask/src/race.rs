@@ -183,11 +183,15 @@ impl Race {
     }
 }
 
-/// Leaves out functions of ours, which the peer does not have and which take time.
+/// Leaves out functions of ours, which the peer does not have and which take time, and gives what it asks for.
 fn without_functions(control: &Path) -> Result<(), String> {
     let text = fs::read_to_string(control).map_err(|e| e.to_string())?;
     let end = text.find("\nfunctions").map_or(text.len(), |at| at + 1);
-    let text = format!("{}startTime 0;\n", &text[..end]);
+    let mut text = format!("{}startTime 0;\n", &text[..end]);
+    if !text.contains("maxAlphaCo") {
+        // v1912 reads it with fixed steps as well.
+        text += "maxAlphaCo 1;\n";
+    }
     fs::write(control, text).map_err(|e| e.to_string())
 }
 

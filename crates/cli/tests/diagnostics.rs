@@ -90,7 +90,7 @@ bad! {
 // ---- fvSchemes, fvSolution
 bad! {
     unknown_time_scheme: cavity().edit(SCHEMES, "Euler", "Eulr");
-    steady_scheme: cavity().edit(SCHEMES, "Euler", "steadyState");
+    steady_scheme_of_two_phases: dam().edit(SCHEMES, "Euler", "steadyState");
     unknown_convection_scheme: cavity().edit(SCHEMES, "div(phi,U)      Gauss linear;", "div(phi,U) Gauss vanLear;");
     convection_without_gauss: cavity().edit(SCHEMES, "div(phi,U)      Gauss linear;", "div(phi,U) linear;");
     no_convection_scheme: cavity().edit(SCHEMES, "div(phi,U) ", "div(phi,u) ");

@@ -168,9 +168,8 @@ impl Flow {
     /// The time in which the flow crosses a cell, or falls through it, s: the first step of pseudo-time.
     fn time_of_a_cell(&self) -> f64 {
         let (mesh, state) = (&self.mesh, &self.state);
-        let size = self.exec.max(mesh.n_cells, |r| {
-            r.map(|c| 1.0 / mesh.cell_size(c)).fold(0.0, f64::max)
-        });
+        let size =
+            self.exec.max(mesh.n_cells, |r| r.map(|c| 1.0 / mesh.cell_size(c)).fold(0.0, f64::max));
         let size = 1.0 / size;
         let inside = |c: usize| norm(state.u.cells.data[c]);
         let moving = self.exec.max(mesh.n_cells, |r| r.map(inside).fold(0.0, f64::max));

@@ -335,7 +335,7 @@ fn tables_of_the_sphere() {
 }
 
 #[test]
-#[ignore = "an hour"]
+#[ignore = "10 minutes"]
 fn sphere_at_128() {
     let (run, e) = sphere_in_vortex(team(2), 128, &by(Reconstruct::PlicRdf), 12 * 128);
     println!("{}", run.line("sphere 128", e));

@@ -41,8 +41,7 @@ pub enum EditError {
 /// [`EditError`].
 pub fn set_entry(root: &Path, rel: &str, entry: &str, text: &str) -> Result<(), EditError> {
     let sink = Sink::new();
-    let dict =
-        files::dict(root, rel, &sink)?.ok_or_else(|| EditError::NoFile(rel.to_owned()))?;
+    let dict = files::dict(root, rel, &sink)?.ok_or_else(|| EditError::NoFile(rel.to_owned()))?;
     let (path, range, new) = match place(&dict, rel, entry)? {
         Some(span) => {
             let path = Path::new(&span.src.path).to_owned();

@@ -238,7 +238,8 @@ impl Fit {
                         let (share, name) = (&share, format!("point_{}", begin + i));
                         scope.spawn(move || {
                             let own = Sink::new();
-                            let one = self.one(&case.join("fit").join(name), case, p, from, share, &own);
+                            let one =
+                                self.one(&case.join("fit").join(name), case, p, from, share, &own);
                             (one, own.take())
                         })
                     })
@@ -291,7 +292,7 @@ impl Fit {
             let (x, y) = d.curve(root)?;
             for (i, (at, measured)) in d.x.iter().zip(&d.y).enumerate() {
                 let error = d.error.as_ref().map_or(1.0, |e| e[i]);
-                let model = interpolate(&x, &y, *at);
+                let model = value_at(&x, &y, *at);
                 out.push(match (d.relative, d.error.is_some()) {
                     (false, _) => (model - measured) / error,
                     (true, true) => (model / measured).ln() * measured / error,
@@ -313,8 +314,7 @@ impl Fit {
         // Where errors are not known they are what the fit leaves.
         let unit = if errors_known { 1.0 } else { chi2 / freedom as f64 };
         let quantile = StudentsT::ppf(0.5 + 0.5 * self.confidence, freedom as f64);
-        let deviation =
-            |i: usize| Some((found.covariance.as_ref()?[i][i] * unit).sqrt());
+        let deviation = |i: usize| Some((found.covariance.as_ref()?[i][i] * unit).sqrt());
         let each = self.parameters.iter().zip(&found.at).enumerate();
         let parameters = each
             .map(|(i, (p, x))| Found {
@@ -395,6 +395,27 @@ impl Data {
     }
 }
 
+/// The value of a curve at a place; a table of one row is a number, whatever its place. Not a number more than a
+/// spacing of the ends beyond them.
+fn value_at(x: &[f64], y: &[f64], at: f64) -> f64 {
+    match x {
+        [] => f64::NAN,
+        [_] => y[0],
+        [first, second, ..] => {
+            let n = x.len();
+            let beyond = (first - at) > second - first || at - x[n - 1] > x[n - 1] - x[n - 2];
+            match n {
+                _ if beyond => f64::NAN,
+                4.. => interpolate(x, y, at),
+                _ => {
+                    let k = x.partition_point(|v| *v < at).clamp(1, n - 1);
+                    y[k - 1] + (y[k] - y[k - 1]) * (at - x[k - 1]) / (x[k] - x[k - 1])
+                }
+            }
+        }
+    }
+}
+
 fn read_parameter(r: &Reader<'_>) -> Parameter {
     let start = r.scalar("start", Dims::NONE);
     let mut range = [f64::NEG_INFINITY, f64::INFINITY];
@@ -403,14 +424,15 @@ fn read_parameter(r: &Reader<'_>) -> Parameter {
         list.finish();
     }
     if !(range[0] <= start && start <= range[1]) {
-        let message = format!("start {start} does not lie in the range {} to {}", range[0], range[1]);
+        let message =
+            format!("start {start} does not lie in the range {} to {}", range[0], range[1]);
         r.error_at_key("start", message, "outside of `range`", None);
     }
     let parameter = Parameter {
         name: r.word("name").to_owned(),
         start,
         range,
-        settings: Setting::read_all(r),
+        settings: Setting::read_all(r, false),
     };
     r.finish(Severity::Error);
     parameter
@@ -425,7 +447,8 @@ fn read_data(root: &Path, r: &Reader<'_>) -> Option<Data> {
     let (name, model) = (r.word("name").to_owned(), ["file", "modelX", "modelY"].map(text));
     let relative = r.opt_one_of("scale", &scales, false);
     r.finish(Severity::Error);
-    let wanted: Vec<&str> = [Some(&x), Some(&y), error.as_ref()].into_iter().flatten().map(|s| s.as_str()).collect();
+    let wanted: Vec<&str> =
+        [Some(&x), Some(&y), error.as_ref()].into_iter().flatten().map(|s| s.as_str()).collect();
     let mut found = match columns(root, &measured, &wanted) {
         Ok(found) => found.into_iter(),
         Err(e) => {
@@ -443,4 +466,21 @@ fn read_data(root: &Path, r: &Reader<'_>) -> Option<Data> {
         r.error_at_key("scale", "measured values are not all positive", "needs them", help);
     }
     Some(Data { name, x, y, error, model, relative })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn curves_have_values_between_their_ends_and_a_spacing_beyond() {
+        let x = [0.0, 1.0, 2.0, 3.0, 4.0];
+        let y = x.map(|x| x * x);
+        assert!((value_at(&x, &y, 2.5) - 6.25).abs() < 1e-12);
+        assert!((value_at(&x, &y, 4.5) - 20.25).abs() < 1e-12);
+        assert!(value_at(&x, &y, 5.5).is_nan() && value_at(&x, &y, -1.5).is_nan());
+        assert_eq!(value_at(&x[..2], &y[..2], 0.25), 0.25);
+        assert_eq!(value_at(&[7.0], &[3.0], 0.0), 3.0);
+        assert!(value_at(&[], &[], 0.0).is_nan());
+    }
 }

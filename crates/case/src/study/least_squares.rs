@@ -33,8 +33,7 @@ pub(super) struct Minimum {
 }
 
 /// The model at several points: residuals, or nothing where it has no solution. An error ends all.
-pub(super) type Model<'a, E> =
-    dyn FnMut(&[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>, E> + 'a;
+pub(super) type Model<'a, E> = dyn FnMut(&[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>, E> + 'a;
 
 /// Finds the parameters with the least sum of squares. None where the model has no solution at the start.
 pub(super) fn minimise<E>(
@@ -70,9 +69,8 @@ pub(super) fn minimise<E>(
             (0..n).for_each(|i| damped[i][i] += damping * normal[i][i].max(f64::MIN_POSITIVE));
             let step = inverse(&damped).map(|inverse| times(&inverse, &downhill));
             let Some(step) = step else { break };
-            let trial: Vec<f64> = (0..n)
-                .map(|i| (at[i] + step[i]).clamp(bounds[i].least, bounds[i].most))
-                .collect();
+            let trial: Vec<f64> =
+                (0..n).map(|i| (at[i] + step[i]).clamp(bounds[i].least, bounds[i].most)).collect();
             let moved = (0..n).map(|i| (trial[i] - at[i]).abs() / bounds[i].scale());
             let moved = moved.fold(0.0, f64::max);
             let found = model(&[trial.clone()])?.pop().flatten();

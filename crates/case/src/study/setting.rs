@@ -1,6 +1,6 @@
 //! What a study changes in a case, and what it takes from its results.
 
-use crate::figures::expression::{check, evaluate};
+use crate::figures::expression::{ExpressionError, check, evaluate};
 use crate::figures::table::Table;
 use crate::store::TimeName;
 use granflow_dict::Reader;
@@ -19,7 +19,8 @@ pub struct Setting {
 
 impl Setting {
     /// Reads the list `set`: `( { file ..; entry ..; value "{x/2}"; } )`; the value is `{x}` by default.
-    pub(super) fn read_all(r: &Reader<'_>) -> Vec<Setting> {
+    /// `of_family` says whether there is a `y`.
+    pub(super) fn read_all(r: &Reader<'_>, of_family: bool) -> Vec<Setting> {
         let mut out = Vec::new();
         let Some(mut list) = r.list("set") else { return out };
         while !list.is_empty() {
@@ -29,14 +30,15 @@ impl Setting {
                 entry: one.string("entry").to_owned(),
                 value: one.opt_string("value", "{x}").to_owned(),
             };
-            if let Err(e) = setting.text(1.0, Some(1.0)) {
+            if let Err(e) = setting.text(1.0, of_family.then_some(1.0)) {
                 one.error_at_key("value", e, "cannot be evaluated", None);
             }
             one.finish(granflow_dict::Severity::Error);
             out.push(setting);
         }
         if out.is_empty() {
-            let help = Some("write `set ( { file constant/transportProperties; entry NGFCoeffs.d; } );`");
+            let help =
+                Some("write `set ( { file constant/transportProperties; entry NGFCoeffs.d; } );`");
             r.error_at_key("set", "nothing is set", "needs one entry at least", help);
         }
         out
@@ -56,7 +58,12 @@ impl Setting {
         while let Some((before, inner)) = rest.split_once('{') {
             let (expression, after) =
                 inner.split_once('}').ok_or_else(|| format!("`{}` lacks a `}}`", self.value))?;
-            let value = evaluate(expression, &table).map_err(|e| e.to_string())?;
+            let value = evaluate(expression, &table).map_err(|e| match e {
+                ExpressionError::Unknown { name, known } => {
+                    format!("there is no `{name}` here; known are {}", known.join(", "))
+                }
+                e => e.to_string(),
+            })?;
             out += before;
             out += &value.first().map_or(String::new(), |v| granflow_dict::number(*v));
             rest = after;
@@ -114,7 +121,8 @@ pub(super) fn columns(root: &Path, file: &str, of: &[&str]) -> Result<Vec<Vec<f6
     let path = latest(root, file)?;
     let text = std::fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;
     let table = Table::parse(&String::from_utf8_lossy(&text));
-    let one = |e: &&str| evaluate(e, &table).map_err(|w| format!("`{e}` of {}: {w}", path.display()));
+    let one =
+        |e: &&str| evaluate(e, &table).map_err(|w| format!("`{e}` of {}: {w}", path.display()));
     of.iter().map(one).collect()
 }
 

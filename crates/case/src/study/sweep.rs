@@ -145,7 +145,11 @@ impl Sweep {
         let limit = r.opt_sub("limit").map(|l| {
             let names: Vec<(&str, usize)> =
                 results.iter().enumerate().map(|(i, q)| (q.name.as_str(), i)).collect();
-            let below = l.entry("result").map(|_| {
+            // What there is to choose from may be missing, which is said elsewhere.
+            if names.is_empty() {
+                l.ignore_all();
+            }
+            let below = l.entry("result").filter(|_| !names.is_empty()).map(|_| {
                 (l.one_of("result", &names), l.scalar("below", granflow_base::Dims::NONE))
             });
             Limit { below, points: l.opt_label_in("points", 0..=60, 8) as usize }
@@ -154,7 +158,7 @@ impl Sweep {
             parameter: f.word("parameter").to_owned(),
             unit: f.opt_string("unit", "").to_owned(),
             values: read_values(&f).0,
-            settings: Setting::read_all(&f),
+            settings: Setting::read_all(&f, true),
         });
         let figures = r.has("figures").then(|| rel.to_owned());
         r.ignore("figures");
@@ -162,7 +166,7 @@ impl Sweep {
             parameter: r.word("parameter").to_owned(),
             unit: r.opt_string("unit", "").to_owned(),
             values,
-            settings: Setting::read_all(&r),
+            settings: Setting::read_all(&r, r.has("family")),
             continuation: r.opt_switch("continuation", true),
             results,
             limit,
@@ -227,12 +231,15 @@ impl Sweep {
             for &x in &self.values {
                 let row = self.point(case, (x, y), last.as_ref(), options, sink)?;
                 tell(&row);
-                if row.solution.found() {
+                let flows = self.flows(&row);
+                let ended = self.limit.is_some() && last.is_some() && !flows;
+                if flows {
                     last = Some(Point { root: row.root.clone() });
                 }
                 out.stopped |= row.solution.stopped;
                 out.rows.push(row);
-                if out.stopped {
+                // Behind the limit nothing is left to follow.
+                if out.stopped || ended {
                     break;
                 }
             }
@@ -254,6 +261,11 @@ impl Sweep {
         }
         out.rows.sort_by(|a, b| a.x.total_cmp(&b.x));
         Ok(out)
+    }
+
+    /// Whether a point flows: where no limit says what that is, whether a solution was found.
+    fn flows(&self, row: &Row) -> bool {
+        self.limit.as_ref().map_or_else(|| row.solution.found(), |limit| limit.flows(row))
     }
 
     /// Halves the gap between what flows and what does not.
@@ -355,7 +367,7 @@ impl Sweep {
         let own = labelled(&self.parameter, &self.unit);
         let members = |row: &Row| row.y.map_or(0, f64::to_bits);
         for (i, result) in self.results.iter().enumerate() {
-            let flowing = out.rows.iter().filter(|r| r.solution.found());
+            let flowing = out.rows.iter().filter(|r| self.flows(r));
             let mut lines: Vec<(Option<f64>, Vec<(f64, f64)>)> = Vec::new();
             let mut last = None;
             for row in flowing {
@@ -367,7 +379,7 @@ impl Sweep {
                 lines.last_mut().expect("one was pushed").1.push((row.x, value));
             }
             let name = |y: Option<f64>| match (&self.family, y) {
-                (Some(f), Some(y)) => format!("{} {}", labelled(&f.parameter, &f.unit), number(y)),
+                (Some(f), Some(y)) => format!("{} {} {}", f.parameter, number(y), f.unit),
                 _ => String::new(),
             };
             let lines = lines.into_iter().map(|(y, points)| (name(y), points)).collect();
@@ -558,8 +570,10 @@ mod tests {
 
     #[test]
     fn all_mistakes_are_said_at_once() {
-        let (sweep, sink) = read("parametr p; values (1 2); set ( { file f; entry e; value \"{y}\"; } ); \
-                                  results (); limit { result no; below 1; }");
+        let (sweep, sink) = read(
+            "parametr p; values (1 2); set ( { file f; entry e; value \"{y}\"; } ); \
+                                  results ( { name r; file t; value v; } ); limit { result no; below 1; }",
+        );
         assert!(sweep.is_err());
         let said = sink.take().to_string();
         for word in ["parametr", "`y`", "`no`"] {

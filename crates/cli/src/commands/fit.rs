@@ -25,7 +25,8 @@ pub(crate) fn command(session: &mut Session, args: &Study) -> Result<(), Failure
     let out = &mut session.out;
     let found = fit.run(&args.case, &options, &session.sink, &mut |step, at, sum| {
         let each = fit.parameters.iter().zip(at);
-        let each: Vec<String> = each.map(|(p, x)| format!("{} {}", p.name, rounded(*x, 6))).collect();
+        let each: Vec<String> =
+            each.map(|(p, x)| format!("{} {}", p.name, rounded(*x, 6))).collect();
         out.print(&format!("step {step}  chi2 {}  {}", number(sum), each.join("  ")));
     });
     let outcome = match found {
@@ -33,7 +34,10 @@ pub(crate) fn command(session: &mut Session, args: &Study) -> Result<(), Failure
         Err(FitError::Case(e)) => return Err(e.into()),
         Err(FitError::NoStart(why)) => {
             let help = "give a `start` of the parameters for which `granflow run` finds one";
-            return Err(Failure::refused(format!("the case has no solution at the start: {why}"), help));
+            return Err(Failure::refused(
+                format!("the case has no solution at the start: {why}"),
+                help,
+            ));
         }
         Err(FitError::Stopped) => {
             let signal = signals.received().unwrap_or(signal_hook::consts::SIGTERM);
@@ -67,11 +71,17 @@ fn told(fit: &Fit, o: &Outcome, seconds: f64) -> Vec<String> {
     }
     let per = o.chi2 / o.freedom as f64;
     lines.push(if o.errors_known {
-        format!("chi2 {} for {} degrees of freedom ({} each; about 1 is as good as the data)",
-            number(o.chi2), o.freedom, number(per))
+        format!(
+            "chi2 {} for {} degrees of freedom ({} each; about 1 is as good as the data)",
+            number(o.chi2),
+            o.freedom,
+            number(per)
+        )
     } else {
-        format!("what is left: {} (root mean square); errors of the data are taken to be that",
-            number(per.sqrt()))
+        format!(
+            "what is left: {} (root mean square); errors of the data are taken to be that",
+            number(per.sqrt())
+        )
     });
     if let Some(c) = &o.correlation {
         for (i, row) in c.iter().enumerate() {

@@ -171,6 +171,12 @@ const SCHEMES: &[(&str, &str, &str, &str)] = &[
     ),
     ("gradient", "Gauss", "Gauss's theorem with linear interpolation, `Gauss linear`", FERZIGER),
     (
+        "time",
+        "steadyState",
+        "none: a step finds the steady state of the conditions at its end",
+        "book, Steady states",
+    ),
+    (
         "gradient",
         "leastSquares",
         "least squares weighted with the distance",

@@ -32,7 +32,8 @@ pub(crate) fn command(session: &mut Session, args: &Study) -> Result<(), Failure
         points += 1;
         out.print(&line(&told(row)));
         let missing = row.results.iter().find_map(|r| r.as_ref().err());
-        if let Some(e) = row.solution.failure.as_ref().or(missing.filter(|_| row.solution.found())) {
+        if let Some(e) = row.solution.failure.as_ref().or(missing.filter(|_| row.solution.found()))
+        {
             why = Some((row.x, e.clone()));
         }
     })?;
@@ -47,7 +48,8 @@ pub(crate) fn command(session: &mut Session, args: &Study) -> Result<(), Failure
     }
     for ends in &outcome.limits {
         let family = sweep.family.as_ref().zip(ends.y);
-        let of = family.map_or(String::new(), |(f, y)| format!("{} {}: ", f.parameter, rounded(y, 6)));
+        let of =
+            family.map_or(String::new(), |(f, y)| format!("{} {}: ", f.parameter, rounded(y, 6)));
         session.out.say(&format!(
             "{of}the flow ends between {} {} and {}",
             sweep.parameter,

@@ -52,6 +52,30 @@ pub(crate) fn collapse() -> Case {
     case
 }
 
+/// A case of the catalogue, whole.
+pub(crate) fn of_catalogue(name: &str) -> Case {
+    fn add(case: &Case, root: &Path, rel: &Path) {
+        for entry in fs::read_dir(root.join(rel)).unwrap() {
+            let rel = rel.join(entry.unwrap().file_name());
+            let path = root.join(&rel);
+            let made = ["postProcessing", "polyMesh", "sweep", "fit", "log.jsonl"];
+            let name = rel.file_name().unwrap().to_string_lossy();
+            if made.contains(&&*name) || name.parse::<f64>().is_ok() {
+                continue;
+            }
+            if path.is_dir() {
+                add(case, root, &rel);
+            } else {
+                case.put(&rel.to_string_lossy(), &fs::read(path).unwrap());
+            }
+        }
+    }
+    let case = Case { dir: tempfile::tempdir().unwrap(), edits: String::new() };
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name);
+    add(&case, &root, Path::new(""));
+    case
+}
+
 fn of_two_phases(name: &str, alpha: &str) -> Case {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name);
     let alpha = format!("0.orig/{alpha}");
