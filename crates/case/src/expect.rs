@@ -22,6 +22,8 @@
 //! tolerance = 1e-3
 //! source    = "..."
 //! ```
+//!
+//! `slow = true` at the top: see [`is_slow`].
 
 use crate::figures::expression::evaluate;
 use crate::figures::table::Table;
@@ -49,6 +51,12 @@ impl Quantity {
     pub fn passed(&self) -> bool {
         self.error <= self.tolerance
     }
+}
+
+/// Whether the text of an `expect.toml` says `slow = true`: the case takes minutes, and is run when it is asked for by
+/// its name.
+pub fn is_slow(text: &str) -> bool {
+    text.parse::<toml::Table>().is_ok_and(|t| t.get("slow").and_then(|s| s.as_bool()) == Some(true))
 }
 
 /// Compares the run in the case directory `ran` with the `expect.toml` there.

@@ -74,7 +74,7 @@ fn all_mistakes_are_reported_at_once() {
     put(
         dir.path(),
         "system/fvSchemes",
-        "ddtSchemes { default steadyState; }
+        "ddtSchemes { default localEuler; }
         divSchemes { div(phi,U) Gauss limitedLiner 1; }",
     );
     put(dir.path(), "system/fvSolution", "solvers { p { solver GAMGG; } } PISO { nCorectors 2; }");
@@ -90,7 +90,7 @@ fn all_mistakes_are_reported_at_once() {
     for part in [
         "pimpleFoam",
         "`deltaT` must be positive",
-        "steady solver is not there yet",
+        "time scheme `localEuler` is not supported",
         "did you mean `limitedLinear`?",
         "did you mean `GAMG`?",
         "unused entry `nCorectors`",

@@ -118,7 +118,7 @@ pub struct New {
 /// `granflow validate`.
 #[derive(Debug, clap::Args)]
 pub struct Validate {
-    /// Names of cases (granflow list cases) [default: all that have a reference]
+    /// Names of cases (granflow list cases) [default: all that have a reference and do not take minutes]
     pub names: Vec<String>,
     /// Directory of the report
     #[arg(short, long, value_name = "DIR", default_value = "validation")]

@@ -16,6 +16,10 @@ impl Builtin {
     pub(crate) fn has(&self, path: &str) -> bool {
         self.files.iter().any(|(p, _)| *p == path)
     }
+    /// Whether it takes minutes: run when asked for by its name.
+    pub(crate) fn is_slow(&self) -> bool {
+        self.text("expect.toml").is_some_and(granflow_case::expect::is_slow)
+    }
     fn text(&self, path: &str) -> Option<&'static str> {
         let (_, bytes) = self.files.iter().find(|(p, _)| *p == path)?;
         std::str::from_utf8(bytes).ok()

@@ -4,7 +4,7 @@
 
 #![allow(clippy::print_stdout, reason = "tests print what they measured")]
 
-use granflow_case::expect::judge;
+use granflow_case::expect::{is_slow, judge};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -13,7 +13,7 @@ fn cases() -> Vec<PathBuf> {
     let mut all: Vec<PathBuf> = std::fs::read_dir(root)
         .expect("cases/")
         .map(|e| e.expect("an entry").path())
-        .filter(|p| p.join("expect.toml").is_file())
+        .filter(|p| std::fs::read_to_string(p.join("expect.toml")).is_ok_and(|t| !is_slow(&t)))
         .collect();
     all.sort();
     all

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Case, collapse, dam, text};
+use common::{Case, collapse, dam, of_catalogue, text};
 use granflow_case::{Event, Notices, Options, Run};
 use granflow_dict::Sink;
 
@@ -158,4 +158,39 @@ fn a_silo_begins_to_empty() {
     assert!(lost > 0.0 && (left / lost - 1.0).abs() < 0.02, "{left} of {lost}");
     let [time, out] = before;
     assert!(out > 0.3 * time * 0.625 * 0.1 && out < 4.0 * time * 0.625 * 0.1, "{out} at {time}");
+}
+
+/// The steady state of a heap under a fluid, its surface held, is where marching stays: two cells a grain.
+#[test]
+fn a_heap_under_a_fluid_is_found_directly() {
+    let case = of_catalogue("heap_flow")
+        .edit("system/blockMeshDict", "(2 19 60) simple", "(1 19 60) simple")
+        .edit("system/fvSchemes", "Euler", "steadyState")
+        .edit("system/controlDict", "endTime         1.4;", "endTime         0.02;")
+        .edit("system/controlDict", "writeInterval   0.7;", "writeInterval   0.02;")
+        .remove("system/plotDict");
+    let out = case.run(&["run", "-j", "1"]);
+    let said = text(&out.stdout);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    assert!(said.contains("steady state: forces are out of balance by"), "{said}");
+    assert!(!said.contains("not converged"), "{said}");
+    let profile = |time: &str| {
+        let file = format!("postProcessing/profile/{time}/centre_U_fluidity_stressRatio_alpha.csv");
+        let t = granflow_case::figures::table::Table::parse(&case.read(&file));
+        t.columns[t.column("U_x").unwrap()].clone()
+    };
+    let found = profile("0.02");
+    let case = case
+        .edit("system/fvSchemes", "steadyState", "Euler")
+        .edit("system/controlDict", "endTime         0.02;", "endTime         0.1;")
+        .edit("system/controlDict", "writeInterval   0.02;", "writeInterval   0.1;");
+    let out = case.run(&["run", "-j", "1", "--from", "latest"]);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    let file = "postProcessing/profile/0.1/centre_U_fluidity_stressRatio_alpha.csv";
+    let t = granflow_case::figures::table::Table::parse(&case.read(file));
+    let marched = t.columns[t.column("U_x").unwrap()].clone();
+    let most = found.iter().copied().fold(0.0, f64::max);
+    let apart = found.iter().zip(&marched).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    println!("surface {most} m/s, four steps later apart by {:.1e} of it", apart / most);
+    assert!(most > 0.1 && apart < 1e-5 * most, "{apart} of {most}");
 }

@@ -74,6 +74,9 @@ impl Flow {
 
     /// Everything of the momentum flux that is not in the matrix, into `work.explicit`.
     fn explicit_momentum_flux(&mut self) {
+        if self.holds_interface() {
+            self.carry_with_the_flow();
+        }
         let deferred = self.defers_convection();
         let Flow { exec, mesh, state, numerics, work: w, fluid, two_phase, .. } = self;
         let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;

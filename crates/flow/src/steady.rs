@@ -1,7 +1,7 @@
 //! The steady state, found directly: a step without inertia, iterated until momentum, continuity, viscosity and
 //! the friction of walls balance, from the flow as it is and else from rest.
 //!
-//! Where that does not converge the flow is relaxed in pseudo-time: steps of implicit Euler whose length grows as
+//! The interface between two fluids is held where it is. Where that does not converge the flow is relaxed in pseudo-time: steps of implicit Euler whose length grows as
 //! long as they converge (W. A. Mulder, B. van Leer, J. Comput. Phys. 59 (1985) 232; convergence: C. T. Kelley,
 //! D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508), until one without end does.
 

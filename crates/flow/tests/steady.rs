@@ -57,8 +57,7 @@ fn annular(n: usize, v: f64, form: Form) -> Flow {
     )
 }
 
-/// From rest, every speed by itself, both forms: with four times the cells the passes of the steady form grow by
-/// less than half.
+/// From rest, every speed by itself, both forms: with four times the cells the passes grow by less than half.
 #[test]
 fn the_annular_cell_at_any_speed_and_mesh() {
     for form in [Form::Steady, Form::Primitive { t0: 1e-3 }] {
@@ -66,9 +65,7 @@ fn the_annular_cell_at_any_speed_and_mesh() {
             let [coarse, fine] = [32, 128].map(|n| {
                 found(&mut annular(n, v, form), &format!("{form:?}, {v:.0e} m/s, {n} cells")).outer
             });
-            // The primitive form at creeping speeds is a little above: 24 and 37 passes.
-            let most = if form == Form::Steady { 1.5 } else { 1.75 };
-            assert!((fine as f64) < most * coarse as f64, "{v}: {coarse} and {fine} passes");
+            assert!(2 * fine < 3 * coarse, "{v}: {coarse} and {fine} passes");
         }
     }
 }
@@ -104,7 +101,8 @@ fn channel(rheology: Box<dyn Rheology>, rho: f64, pull: f64, p: f64) -> Flow {
 #[test]
 fn laws_without_a_field_of_their_own() {
     let beads = Granular { d: 0.02, ..BEADS };
-    let laws: [(&str, Box<dyn Rheology>, f64, f64, f64); 4] = [
+    type Law = (&'static str, Box<dyn Rheology>, f64, f64, f64);
+    let laws: [Law; 4] = [
         ("Newtonian", local(Newtonian { eta: 2.0 }), 1.0, 8.0, 0.0),
         ("Bingham", local(Bingham { tau0: 1.0, nu: 2.0, nu0: 2e6, density: 1.0 }), 1.0, 8.0, 0.0),
         (

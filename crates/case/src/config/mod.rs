@@ -69,7 +69,10 @@ impl CaseConfig {
         let functions = crate::functions::read(&reader);
         reader.finish(Severity::Warning);
         let schemes = match files::dict(root, "system/fvSchemes", sink)? {
-            Some(d) => Schemes::read(&d, transport.second.is_some(), sink, notices),
+            Some(d) => {
+                let kind = (transport.second.is_some(), transport.grains.is_some());
+                Schemes::read(&d, kind, sink, notices)
+            }
             None => Schemes::default(),
         };
         let solution_dict = files::dict(root, "system/fvSolution", sink)?.unwrap_or_default();

@@ -44,13 +44,18 @@ impl Default for Schemes {
 }
 
 impl Schemes {
-    /// Reads the dictionary for one phase or `two`; mistakes go to the sink.
-    pub(super) fn read(dict: &Dict, two: bool, sink: &Sink, notices: &Notices) -> Schemes {
+    /// Reads the dictionary for one phase or `two`, the first of which may be `grains`; mistakes go to the sink.
+    pub(super) fn read(
+        dict: &Dict,
+        (two, grains): (bool, bool),
+        sink: &Sink,
+        notices: &Notices,
+    ) -> Schemes {
         let r = Reader::new(dict, sink);
         let mut s = Schemes::default();
         if let Some(sub) = r.opt_sub("ddtSchemes") {
             let key = first_of(&sub, &["ddt(U)", "ddt(rho,U)", "ddt(rho*U)", "default"]);
-            s.ddt = key.map_or(s.ddt, |k| ddt(&sub, k, two));
+            s.ddt = key.map_or(s.ddt, |k| ddt(&sub, k, (two, grains)));
             leave(&sub, "ddt(");
         }
         if let Some(sub) = r.opt_sub("gradSchemes") {
@@ -102,7 +107,7 @@ fn leave(r: &Reader<'_>, of: &str) {
     }
 }
 
-fn ddt(r: &Reader<'_>, key: &str, two: bool) -> TimeScheme {
+fn ddt(r: &Reader<'_>, key: &str, (two, grains): (bool, bool)) -> TimeScheme {
     let Some(mut t) = r.tokens(key) else { return TimeScheme::Euler };
     let at = t.here();
     let word = t.word("the time scheme");
@@ -116,14 +121,14 @@ fn ddt(r: &Reader<'_>, key: &str, two: bool) -> TimeScheme {
     match word {
         "Euler" => {}
         "backward" if !two => return TimeScheme::Backward,
-        "steadyState" if !two => return TimeScheme::Steady,
+        "steadyState" if !two || grains => return TimeScheme::Steady,
         "backward" => {
             refuse("two phases move by the Euler scheme only", "write `Euler`");
             return TimeScheme::Euler;
         }
         "steadyState" => {
             refuse(
-                "the steady solver is for one fluid",
+                "the steady solver is for one fluid, or for grains beside one",
                 "march in time (`Euler`), with steps as long as the interface allows",
             );
             return TimeScheme::Euler;

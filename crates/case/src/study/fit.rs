@@ -121,6 +121,9 @@ pub enum FitError {
     Stopped,
 }
 
+/// A point with its differences over their errors, or why there are none.
+type Residuals = (Point, Result<Vec<f64>, String>);
+
 impl<E: Into<CaseError>> From<E> for FitError {
     fn from(e: E) -> Self {
         FitError::Case(e.into())
@@ -224,7 +227,7 @@ impl Fit {
         from: Option<&Point>,
         options: &Options,
         sink: &Sink,
-    ) -> Result<Vec<(Point, Result<Vec<f64>, String>)>, FitError> {
+    ) -> Result<Vec<Residuals>, FitError> {
         let alone = at.len() == 1;
         let share = Options { threads: if alone { options.threads } else { 1 }, ..options.clone() };
         let mut out = Vec::new();
@@ -265,7 +268,7 @@ impl Fit {
         from: Option<&Point>,
         options: &Options,
         sink: &Sink,
-    ) -> Result<(Point, Result<Vec<f64>, String>), FitError> {
+    ) -> Result<Residuals, FitError> {
         let point = Point::copy(case, root)?;
         for (p, x) in self.parameters.iter().zip(at) {
             if let Err(e) = point.set(&p.settings, *x, None) {

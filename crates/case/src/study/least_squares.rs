@@ -73,7 +73,7 @@ pub(super) fn minimise<E>(
                 (0..n).map(|i| (at[i] + step[i]).clamp(bounds[i].least, bounds[i].most)).collect();
             let moved = (0..n).map(|i| (trial[i] - at[i]).abs() / bounds[i].scale());
             let moved = moved.fold(0.0, f64::max);
-            let found = model(&[trial.clone()])?.pop().flatten();
+            let found = model(std::slice::from_ref(&trial))?.pop().flatten();
             let better = found.map(|r| (squares(&r), r)).filter(|(s, _)| *s < sum);
             if let Some((less, there)) = better {
                 converged = (sum - less) <= SETTLED * sum || moved <= STANDING;

@@ -10,6 +10,7 @@ mod least_squares;
 mod point;
 mod setting;
 pub mod sweep;
+mod sweep_table;
 
 pub use edit::{EditError, set_entry};
 pub use point::{Point, Solution};

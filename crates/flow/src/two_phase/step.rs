@@ -1,7 +1,7 @@
 //! One time step of two fluids: interface, mixture, momentum, pressure.
 
 use crate::vof::Drive;
-use crate::{Flow, Report, State, StepError};
+use crate::{Flow, Report, State, StepError, TimeScheme};
 use granflow_base::norm;
 use granflow_fv::Surroundings;
 use std::sync::Arc;
@@ -36,9 +36,10 @@ impl Flow {
     }
 
     /// What [`Flow::step`] does with two fluids, with errors as they come.
-    pub(crate) fn advance_two_phases(&mut self, dt: f64) -> Result<Report, StepError> {
+    pub(crate) fn advance_two_phases(&mut self, clock: f64) -> Result<Report, StepError> {
         let starts = self.state.step == 0;
-        self.begin_step(dt);
+        self.begin_step(clock);
+        let dt = self.inertial_step(clock);
         if starts {
             self.project_first_flux()?;
         }
@@ -48,7 +49,7 @@ impl Flow {
             two.work.rho_old.data.copy_from_slice(&self.work.rho.data);
         }
         if self.has_grains_in_fluid() {
-            return self.advance_grains_in_fluid(dt, starts);
+            return self.advance_grains_in_fluid((clock, dt), starts);
         }
         // In the middle of the step, for second order.
         self.prescribe(self.state.time - 0.5 * dt);
@@ -93,8 +94,12 @@ impl Flow {
     /// the friction of walls are solved together as they are without it. Between creep and the other
     /// fluid viscosities differ by ten decades, and stress follows pressure: corrections of the pressure
     /// alone (PISO) grow.
-    fn advance_grains_in_fluid(&mut self, dt: f64, starts: bool) -> Result<Report, StepError> {
-        let mut report = Report { time: self.state.time, dt, ..Report::default() };
+    fn advance_grains_in_fluid(
+        &mut self,
+        (clock, dt): (f64, f64),
+        starts: bool,
+    ) -> Result<Report, StepError> {
+        let mut report = Report { time: self.state.time, dt: clock, ..Report::default() };
         if let Some(grains) = self.two_phase.as_mut().and_then(|t| t.work.grains.as_mut()) {
             grains.share_old.copy_from_slice(&grains.share);
         }
@@ -110,12 +115,12 @@ impl Flow {
         self.update_face_forces();
         self.update_conditions();
         if starts && self.fastest() == 0.0 {
-            self.guess_pressure(dt)?;
+            self.guess_pressure(clock)?;
             self.work.slowest = FIRST_RATE;
         }
         self.recall_viscosity(dt)?;
         self.iterate(dt, &mut report)?;
-        self.end_coupled_step(dt, &mut report)?;
+        self.end_coupled_step(clock, &mut report)?;
         Ok(report)
     }
 
@@ -125,11 +130,30 @@ impl Flow {
         self.exec.max(self.mesh.n_cells, |r| r.map(|c| norm(u[c])).fold(0.0, f64::max))
     }
 
+    /// Whether the interface stays where it is: a steady state is looked for.
+    pub(crate) fn holds_interface(&self) -> bool {
+        self.two_phase.is_some() && self.numerics.ddt == TimeScheme::Steady
+    }
+
+    /// The mass flux of the flow as it stands, where the interface does not move.
+    pub(crate) fn carry_with_the_flow(&mut self) {
+        let Flow { exec, mesh, state, two_phase, .. } = self;
+        if let (Some(two), Some(alpha)) = (two_phase, &state.alpha) {
+            two.vof.hold(exec, mesh, alpha, &state.phi.data);
+        }
+        self.mix_mass_flux();
+    }
+
     /// Moves the volume fraction from where it was at the beginning of the step.
     fn move_interface(&mut self, dt: f64, again: bool) -> Result<(), StepError> {
+        let holds = self.holds_interface();
         let Flow { exec, mesh, state, two_phase, .. } = self;
         let State { alpha, phi, time, .. } = state;
         let (Some(two), Some(alpha)) = (two_phase, alpha) else { return Ok(()) };
+        if holds {
+            two.vof.hold(exec, mesh, alpha, &phi.data);
+            return Ok(());
+        }
         if again {
             alpha.cells.data.copy_from_slice(&two.work.alpha_start);
         }

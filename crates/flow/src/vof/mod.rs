@@ -142,6 +142,26 @@ impl Vof {
         }
     }
 
+    /// Leaves `alpha` where it is; its flux is that of the upwind cells.
+    pub(crate) fn hold(&mut self, exec: &Exec, mesh: &Mesh, alpha: &Unknown<f64>, phi: &[f64]) {
+        let alpha_phi = match self {
+            Vof::Algebraic(a) => &mut a.alpha_phi,
+            Vof::Geometric(g) => &mut g.alpha_phi,
+        };
+        let a = &alpha.cells.data;
+        exec.for_each(&mut alpha_phi.data, |first, out| {
+            for (i, q) in out.iter_mut().enumerate() {
+                let f = first + i;
+                let here = a[mesh.owner[f] as usize];
+                let there = match mesh.neighbour.get(f) {
+                    Some(&n) => a[n as usize],
+                    None => alpha.boundary_value(mesh, f),
+                };
+                *q = phi[f] * if phi[f] >= 0.0 { here } else { there };
+            }
+        });
+    }
+
     /// Volume flux of fluid 1 through every face, averaged over the last step, m3/s.
     pub fn alpha_phi(&self) -> &FaceField<f64> {
         match self {

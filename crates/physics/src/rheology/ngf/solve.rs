@@ -2,7 +2,7 @@
 //! branch that leads to the true root.
 
 use super::Ngf;
-use super::law::{Law, Local};
+use super::law::{Form, Law, Local};
 use crate::rheology::{Floors, FlowView, Granular, RheologyError, RheologyInfo};
 use granflow_fv::Equation;
 use granflow_linsolve::{Csr, SolveError};
@@ -181,8 +181,10 @@ impl Ngf {
         if info.residual > UNSOLVED && self.hold_stress(v) {
             self.iterate(v, (FAR, MOST_NEWTON), &mut info)?;
         }
-        // Beside another fluid single cells come in and out of contact between two updates.
-        self.follows = v.share.is_none() && info.residual <= self.numerics.residual;
+        // Beside another fluid single cells come in and out of contact between two updates; in the primitive form
+        // a fluidity that dies away is far from that of the pass before.
+        let may = v.share.is_none() && self.law.form == Form::Steady;
+        self.follows = may && info.residual <= self.numerics.residual;
         Ok(info)
     }
 
