@@ -228,9 +228,7 @@ impl Worker {
             Order::Settled(dt) => {
                 let end = self.case.end;
                 let flow = self.flow_mut();
-                let mut changes = [f64::from(u8::from(!flow.conditions_stay(dt, end)))];
-                flow.exec.comm().max(&mut changes);
-                Ok(Answer::Number(1.0 - changes[0]))
+                Ok(Answer::Number(f64::from(u8::from(flow.conditions_stay(dt, end)))))
             }
             Order::Stop => Ok(Answer::Done),
         }

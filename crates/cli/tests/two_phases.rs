@@ -1,6 +1,6 @@
 //! Cases with two phases through the command: fields are set, restarts and threads change no bit.
 
-#![allow(clippy::unwrap_used, reason = "a test may fail")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test may fail, and prints")]
 
 mod common;
 
@@ -113,6 +113,46 @@ fn ranks_agree_with_one() {
         let (one, three) = (run(1), run(3));
         let apart = one.iter().zip(&three).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         assert!(apart < 1e-6, "{file}: {apart:e}");
+    }
+}
+
+/// Grains with a fluidity, one rank without any of them: a heap under a fluid, its steady state and marching from it.
+#[test]
+fn ranks_agree_where_grains_have_a_fluidity() {
+    let run = |ranks: usize| {
+        let case = of_catalogue("heap_flow")
+            .edit("system/blockMeshDict", "(2 19 60) simple", "(1 19 60) simple")
+            .edit("system/fvSchemes", "Euler", "steadyState")
+            .edit("system/controlDict", "endTime         1.4;", "endTime         0.02;")
+            .edit("system/controlDict", "writeInterval   0.7;", "writeInterval   0.02;")
+            .edit("system/fvSolution", "viscosity 1e-7", "viscosity 1e-8");
+        let go = |case: &Case| {
+            let options = Options { ranks, ..Options::default() };
+            let sink = Sink::new();
+            let mut run = Run::load(case.path(), &options, &sink, &Notices::new())
+                .unwrap_or_else(|e| panic!("{e}: {}", sink.take()));
+            while !matches!(run.advance().expect("a step"), Event::Done(_)) {}
+        };
+        go(&case);
+        let steady = case.read("0.02/U");
+        let case = case
+            .edit("system/fvSchemes", "steadyState", "Euler")
+            .edit("system/controlDict", "startFrom       startTime;", "startFrom latestTime;")
+            .edit("system/controlDict", "endTime         0.02;", "endTime         0.04;");
+        go(&case);
+        let numbers = |text: &str| {
+            let list = text.split("boundaryField").next().unwrap().to_owned();
+            let words = list.split(['(', ')', ' ', '\n']).map(str::to_owned).collect::<Vec<_>>();
+            words.iter().filter_map(|w| w.parse::<f64>().ok()).collect::<Vec<_>>()
+        };
+        [numbers(&steady), numbers(&case.read("0.04/U"))]
+    };
+    let (one, three) = (run(1), run(3));
+    for (a, b) in one.iter().zip(&three) {
+        assert!(a.len() > 900 && a.len() == b.len());
+        let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        println!("apart by {apart:e} m/s of 0.16");
+        assert!(apart < 1e-6, "{apart:e}");
     }
 }
 

@@ -181,6 +181,7 @@ impl Flow {
         }
         let Flow { mesh, state, work: w, .. } = self;
         let mut worst: Option<Beyond> = None;
+        let mut here = 0.0;
         for wall in &w.friction.walls {
             for f in wall.faces.clone().filter(|&f| slides(mesh, &state.u, f)) {
                 let (c, n) = (mesh.owner[f] as usize, mesh.normal(f));
@@ -194,23 +195,41 @@ impl Flow {
                 if mu < grains.mu_2 {
                     continue;
                 }
-                let cells = worst.map_or(0, |b| b.cells) + 1;
+                here += 1.0;
                 let inertial = grains.inertial_number(w.strain_rate[c], p);
-                let here = Beyond {
+                let one = Beyond {
                     mu,
                     mu_2: grains.mu_2,
                     inertial,
                     cell: mesh.global_cell[c] as usize,
                     place: mesh.face_centre[f],
-                    cells,
+                    cells: 1,
                 };
-                worst = Some(match worst {
-                    Some(b) if b.mu >= mu => Beyond { cells, ..b },
-                    _ => here,
-                });
+                worst = Some(worst.filter(|b| b.mu >= mu).unwrap_or(one));
             }
         }
-        worst
+        let mut faces = [here];
+        self.exec.comm().sum(&mut faces);
+        if faces[0] == 0.0 {
+            return None;
+        }
+        // The rank that has the worst one tells the others.
+        let mut most = [worst.map_or(f64::NEG_INFINITY, |b| b.mu)];
+        self.exec.comm().max(&mut most);
+        let own = worst.filter(|b| b.mu == most[0]);
+        let mut told = own.map_or([f64::NEG_INFINITY; 5], |b| {
+            [b.cell as f64, b.inertial, b.place[0], b.place[1], b.place[2]]
+        });
+        self.exec.comm().max(&mut told);
+        let [cell, inertial, x, y, z] = told;
+        Some(Beyond {
+            mu: most[0],
+            mu_2: grains.mu_2,
+            inertial,
+            cell: cell as usize,
+            place: [x, y, z],
+            cells: faces[0] as usize,
+        })
     }
 }
 

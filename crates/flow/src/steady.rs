@@ -29,6 +29,8 @@ struct Snapshot {
     p: Vec<f64>,
     phi: Vec<f64>,
     field: Option<Vec<f64>>,
+    /// Velocity and flux one step earlier, and the length of that step.
+    older: (Vec<granflow_base::Vec3>, Vec<f64>, f64),
     clock: (f64, usize),
 }
 
@@ -94,8 +96,8 @@ impl Flow {
         }
     }
 
-    /// Whether velocity and pressure at the boundary ask the same at every step of `dt` seconds until `end`. On
-    /// this rank alone.
+    /// Whether velocity and pressure at the boundary ask the same at every step of `dt` seconds until `end`, on
+    /// all ranks. (Conditions of the fluidity are not looked at.)
     pub fn conditions_stay(&mut self, dt: f64, end: f64) -> bool {
         let of = |f: &Flow| (f.state.u.closure.clone(), f.state.p.closure.clone());
         let (now, here) = (self.state.time, of(self));
@@ -104,11 +106,14 @@ impl Flow {
             self.state.time = now + k as f64 * dt;
             self.update_conditions();
             let there = of(self);
-            let same = |a: &[f64], b: &[f64]| a == b;
-            here.0.offset == there.0.offset
-                && same(&here.0.slope, &there.0.slope)
+            let same = here.0.offset == there.0.offset
+                && here.0.slope == there.0.slope
                 && here.1.offset == there.1.offset
-                && same(&here.1.slope, &there.1.slope)
+                && here.1.slope == there.1.slope;
+            // Conditions may add up over ranks: all look at the same steps.
+            let mut differs = [f64::from(u8::from(!same))];
+            self.exec.comm().max(&mut differs);
+            differs[0] == 0.0
         });
         self.state.time = now;
         self.update_conditions();
@@ -147,6 +152,7 @@ impl Flow {
                 }
                 if endless && report.converged {
                     self.remember_start(before);
+                    self.state.step = before.clock.1 + 1;
                     return self.believe(done);
                 }
             }
@@ -160,8 +166,9 @@ impl Flow {
                 }
             }
         }
+        // Whoever takes the step back takes back all of it.
         self.restore(before);
-        self.state.time = time;
+        self.remember_start(before);
         Err(StepError::NoSteadyState { time, residuals: nearest })
     }
 
@@ -188,6 +195,7 @@ impl Flow {
             p: s.p.cells.data.clone(),
             phi: s.phi.data.clone(),
             field: self.fluid.rheology.field().map(|f| f.data.clone()),
+            older: (s.u_old.clone(), s.phi_old.clone(), s.dt_old),
             clock: (s.time, s.step),
         }
     }
@@ -198,10 +206,15 @@ impl Flow {
         s.u.cells.data.copy_from_slice(&to.u);
         s.p.cells.data.copy_from_slice(&to.p);
         s.phi.data.copy_from_slice(&to.phi);
+        s.u_old.copy_from_slice(&to.older.0);
+        s.phi_old.copy_from_slice(&to.older.1);
+        s.dt_old = to.older.2;
         (s.time, s.step) = to.clock;
         if let (Some(field), Some(kept)) = (self.fluid.rheology.field_mut(), &to.field) {
             field.data.copy_from_slice(kept);
         }
+        // What is remembered of old times is that of the snapshot too.
+        self.fluid.rheology.begin_step();
         self.update_conditions();
     }
 
@@ -212,7 +225,6 @@ impl Flow {
         w.p_start.copy_from_slice(&before.p);
         w.phi_start.copy_from_slice(&before.phi);
         w.clock_start = before.clock;
-        self.state.step = before.clock.1 + 1;
     }
 }
 
