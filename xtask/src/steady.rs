@@ -12,7 +12,7 @@ struct Case {
     edits: &'static [(&'static str, &'static str, &'static str)],
     /// Steps and ends of marching, s.
     marches: &'static [(&'static str, &'static str)],
-    /// Where the profile lies below a time of `postProcessing`, and its column of velocity.
+    /// Its profile's file, and the column of velocity there.
     profile: (&'static str, usize),
 }
 
@@ -25,14 +25,14 @@ const CASES: &[Case] = &[
             ("system/controlDict", "endTime         5;", "endTime         1;"),
         ],
         marches: &[("0.1", "1"), ("0.001", "1")],
-        profile: ("profile/1/radius_U_fluidity_stressRatio.csv", 2),
+        profile: ("radius_U_fluidity_stressRatio.csv", 2),
     },
     Case {
         name: "heap_dry",
         what: "heap, 8 cells a grain",
         edits: &[("system/blockMeshDict", "(1 38 80)", "(1 76 160)")],
-        marches: &[("0.05", "1"), ("0.05", "6")],
-        profile: ("profile/1/centre_U_fluidity_stressRatio.csv", 1),
+        marches: &[("0.05", "6")],
+        profile: ("centre_U_fluidity_stressRatio.csv", 1),
     },
 ];
 
@@ -46,7 +46,7 @@ pub(crate) fn steady(granflow: &Path) -> Result<(), String> {
         case.edit(&direct)?;
         let seconds = timed(granflow, &direct)?;
         println!("| {} | directly | {seconds:.3} | | |", case.what);
-        let there = case.velocity(&direct)?;
+        let there = case.velocity(&direct, "1")?;
         let most = there.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
         for (dt, end) in case.marches {
             let marched =
@@ -61,7 +61,7 @@ pub(crate) fn steady(granflow: &Path) -> Result<(), String> {
             }
             replace_if(&control, "writeControl    timeStep;", "writeControl runTime;")?;
             let took = timed(granflow, &marched)?;
-            let here = case.velocity(&marched)?;
+            let here = case.velocity(&marched, end)?;
             let apart = there.iter().zip(&here).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             println!(
                 "| {} | steps of {dt} s to {end} s | {took:.3} | {:.1e} | {:.1} |",
@@ -79,8 +79,8 @@ impl Case {
         self.edits.iter().try_for_each(|(file, from, to)| replace(&root.join(file), from, to))
     }
 
-    fn velocity(&self, root: &Path) -> Result<Vec<f64>, String> {
-        let path = root.join("postProcessing").join(self.profile.0);
+    fn velocity(&self, root: &Path, time: &str) -> Result<Vec<f64>, String> {
+        let path = root.join("postProcessing/profile").join(time).join(self.profile.0);
         let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
         let rows = text.lines().skip(1);
         Ok(rows.filter_map(|l| l.split(',').nth(self.profile.1)?.parse().ok()).collect())

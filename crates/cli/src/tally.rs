@@ -14,8 +14,8 @@ pub(crate) struct Tally {
     pub(crate) steps: usize,
     unconverged: usize,
     began_at: f64,
-    /// Residuals of the last step, if it ended in a steady state.
-    steady: Option<Residuals>,
+    /// Residuals of the last step, and that of the fluidity's equation, if it ended in a steady state.
+    steady: Option<(Residuals, Option<f64>)>,
     /// Time, length and relative change of velocity of the last full step.
     last: Option<(f64, f64, f64)>,
     /// Whether the last step did not converge.
@@ -43,9 +43,10 @@ impl Tally {
         self.unconverged += usize::from(!r.converged);
         self.adrift = !r.converged;
         self.beyond = r.rheology.beyond.filter(|_| !r.converged);
-        self.steady = r.steady.then_some(r.residuals);
-        self.posedness = r.rheology.posedness;
         let g = &r.rheology;
+        let fluidity = (g.solves > 0).then_some(g.residual);
+        self.steady = r.steady.then_some((r.residuals, fluidity));
+        self.posedness = r.rheology.posedness;
         self.solves[0] += r.solves[0];
         self.solves[1] += r.solves[1];
         self.solves[2] += SolveCount { all: g.solves, unconverged: g.unconverged };
@@ -142,10 +143,13 @@ impl Tally {
     /// How far the flow would still move if it went on at its last rate for as long as this run.
     fn steadiness(&self) -> Option<String> {
         let (time, dt, change) = self.last?;
-        if let Some(r) = self.steady {
+        if let Some((r, fluidity)) = self.steady {
+            let fluidity = fluidity.map_or(String::new(), |g| {
+                format!("the fluidity's equation by {} of its terms, ", residual(g))
+            });
             return Some(format!(
-                "steady state: forces are out of balance by {} of their size, the flux by {}, the viscosity \
-                 would change by {}",
+                "steady state: forces are out of balance by {} of their size, the flux by {}, {fluidity}the \
+                 viscosity would change by {}",
                 residual(r.u),
                 residual(r.p),
                 residual(r.viscosity),

@@ -57,6 +57,26 @@ fn a_family_of_sweeps_follows_the_branch_to_h_stop() {
     assert!(said.contains("angle 24: the flow ends between thickness"), "{said}");
 }
 
+/// The primitive form's yield depends on size: what narrow chutes need. Threshold of the linear stability of rest,
+/// `A^2 d^2 g'' + dmu (mu - mu_s)/(mu_2 - mu) g = 0` with zero gradient at walls and centre, by shooting.
+#[test]
+fn narrow_chutes_need_more_friction() {
+    let case = of_catalogue("vertical_chute").edit(
+        "system/sweepDict",
+        "values      (5 7 10 15 20 30 40);",
+        "values      (10 20);",
+    );
+    let out = case.run(&["sweep", "-j", "2"]);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    let t = table(&case, "sweep/limit.csv");
+    for ((width, limit), exact) in
+        column(&t, "width").iter().zip(column(&t, "limit")).zip([0.490536, 0.452379])
+    {
+        println!("{width} d: {limit}, exactly {exact}");
+        assert!((limit - exact).abs() < 1e-4, "{width}: {limit} {exact}");
+    }
+}
+
 /// Independent points, two at a time, are what they are one by one.
 #[test]
 fn points_side_by_side_are_the_same() {

@@ -28,7 +28,10 @@ impl Setting {
             let setting = Setting {
                 file: one.string("file").to_owned(),
                 entry: one.string("entry").to_owned(),
-                value: one.opt_string("value", "{x}").to_owned(),
+                value: match one.raw("value").and_then(|t| t.first()).and_then(|t| t.number()) {
+                    Some(value) => granflow_dict::number(value),
+                    None => one.opt_string("value", "{x}").to_owned(),
+                },
             };
             if let Err(e) = setting.text(1.0, of_family.then_some(1.0)) {
                 one.error_at_key("value", e, "cannot be evaluated", None);
