@@ -217,7 +217,7 @@ impl Run {
             }
         };
         let (time, step) = (self.time(), self.flow().state.step);
-        if report.steady && report.converged {
+        if report.steady {
             let answer = self.crew.worker.order(Order::Settled(dt));
             self.settled = matches!(answer, Ok(Answer::Number(1.0)));
         }
@@ -249,7 +249,7 @@ impl Run {
             tensile,
             wrote,
             wall: self.clock.seconds(),
-            left: Some((pace * (self.case.end - time)).max(0.0)),
+            left: Some(if last { 0.0 } else { (pace * (self.case.end - time)).max(0.0) }),
             // Time that passed is rarely the span to the bit, nor the end a multiple of the step.
             progress: if last { 1.0 } else { ((time - self.began) / span).clamp(0.0, 1.0) },
         })))

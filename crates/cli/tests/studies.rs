@@ -109,6 +109,63 @@ fn a_point_without_a_solution_is_told() {
     assert!(said.contains("no solution") && said.contains("friction of the grains"), "{said}");
 }
 
+/// A value that the case refuses is a point without a solution: the others, and the table, are there. Where every value
+/// is refused the mistakes are the study's.
+#[test]
+fn a_point_with_mistakes_does_not_end_the_sweep() {
+    let sweep = |values: &str| {
+        let case = of_catalogue("annular_shear_cell").write(
+            "system/sweepDict",
+            &format!(
+                "parameter mus; values ({values});
+                 set ( {{ file constant/transportProperties; entry NGFCoeffs.mus; }} );
+                 results ( {{ name M; file postProcessing/torque/0/moment.dat; value total_z; }} );"
+            ),
+        );
+        let out = case.run(&["sweep", "-j", "1"]);
+        (case, out)
+    };
+    let (case, out) = sweep("0.3 0.7 0.4");
+    let said = text(&out.stdout);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    assert_eq!(column(&table(&case, "sweep/mus.csv"), "converged"), [1.0, 1.0, 0.0], "{said}");
+    assert!(said.contains("no solution") && said.contains("mus 0.7: "), "{said}");
+    // Once more: what was there is kept.
+    let again = case.run(&["sweep", "-j", "1"]);
+    assert!(text(&again.stdout).contains("superseded/sweep_1"), "{}", text(&again.stdout));
+    assert!(case.path().join("superseded/sweep_1/mus.csv").is_file());
+    let (_, out) = sweep("0.7 0.8");
+    assert_eq!(out.status.code(), Some(2), "{}", text(&out.stdout));
+    assert!(text(&out.stderr).contains("transportProperties"), "{}", text(&out.stderr));
+}
+
+/// A parameter that changes nothing is told so, and the other is found.
+#[test]
+fn a_parameter_without_effect_is_told() {
+    let case = of_catalogue("annular_shear_cell")
+        .edit("system/controlDict", "endTime         5;", "endTime         1;")
+        .write("measured/torque.csv", "t,M\n1,-1.35e-5\n1,-1.351e-5\n1,-1.352e-5\n")
+        .write(
+            "system/fitDict",
+            "parameters
+             (
+                 { name mus; start 0.38; range (0.3 0.5);
+                   set ( { file constant/transportProperties; entry NGFCoeffs.mus; } ); }
+                 { name nothing; start 1; range (0 2);
+                   set ( { file system/controlDict; entry nothing; } ); }
+             );
+             data ( { name torque; measured measured/torque.csv; x t; y M;
+                      file postProcessing/torque/0/moment.dat; modelX Time; modelY total_z; } );",
+        );
+    let out = case.run(&["fit", "-j", "2"]);
+    let said = text(&out.stdout);
+    assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
+    assert!(said.contains("nothing    1 the data do not tell it"), "{said}");
+    let csv = case.read("fit/parameters.csv");
+    assert!(csv.lines().any(|l| l.starts_with("nothing,1,nan")), "{csv}");
+    assert!(text(&out.stderr).contains("unused entry `nothing`"), "{}", text(&out.stderr));
+}
+
 #[test]
 fn mistakes_of_a_sweep_are_said_with_their_place() {
     let case = of_catalogue("annular_shear_cell")

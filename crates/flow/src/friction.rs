@@ -231,9 +231,7 @@ impl Flow {
             cells: faces[0] as usize,
         })
     }
-}
 
-impl Flow {
     /// What drives the grains of a cell along its free surface over what presses them together; 0 away from one.
     fn slope_at_surface(&self, c: usize) -> f64 {
         let Flow { mesh, state, gravity, .. } = self;

@@ -1,8 +1,8 @@
 //! The steady state, found directly: a step without inertia, iterated until momentum, continuity, viscosity and
 //! the friction of walls balance, from the flow as it is and else from rest.
 //!
-//! The interface between two fluids is held where it is. Where that does not converge the flow is relaxed in pseudo-time: steps of implicit Euler whose length grows as
-//! long as they converge (W. A. Mulder, B. van Leer, J. Comput. Phys. 59 (1985) 232; convergence: C. T. Kelley,
+//! The interface between two fluids is held. Where the iteration does not converge the flow is relaxed in pseudo-time: steps of implicit Euler whose length grows as
+//! long as their forces come near to balance (W. A. Mulder, B. van Leer, J. Comput. Phys. 59 (1985) 232; convergence: C. T. Kelley,
 //! D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508), until one without end does.
 
 use crate::failure::Guess;
@@ -13,7 +13,10 @@ use granflow_base::norm;
 pub(crate) const FOREVER: f64 = 1e30;
 /// Steps of pseudo-time at most.
 const MOST_STEPS: usize = 60;
-/// Growth of the step after one that converged, and what is left of one that did not.
+/// Passes of all of them together, and of each but an endless one.
+const MOST_PASSES: usize = 1500;
+const PASSES: usize = 40;
+/// Growth of the step after one that came to an end ([`RELAXED`]), and what is left of one that did not.
 const GROWTH: f64 = 4.0;
 const CUT: f64 = 0.1;
 /// Steps, over the first, from which on one without end is tried, and below which there is no hope.
@@ -66,7 +69,8 @@ impl Flow {
             _ => self.work.beyond,
         };
         self.restore(&before);
-        let relaxed = self.relax(dt, &before, nearest);
+        let spent = direct.as_ref().map_or(0, |r| r.outer);
+        let relaxed = self.relax(dt, &before, (nearest, spent));
         self.work.pseudo_step = None;
         if let Err(StepError::NoSteadyState { time, residuals }) = relaxed
             && let Some(beyond) = self.work.beyond.or(beyond)
@@ -97,12 +101,16 @@ impl Flow {
     }
 
     /// Whether velocity and pressure at the boundary ask the same at every step of `dt` seconds until `end`, on
-    /// all ranks. (Conditions of the fluidity are not looked at.)
+    /// all ranks; false where that is too many steps to look at. (Conditions of the fluidity are not looked at.)
     pub fn conditions_stay(&mut self, dt: f64, end: f64) -> bool {
         let of = |f: &Flow| (f.state.u.closure.clone(), f.state.p.closure.clone());
         let (now, here) = (self.state.time, of(self));
-        let left = ((end - now) / dt + 0.5).floor().clamp(0.0, MOST_LOOKED_AT) as usize;
-        let stays = (1..=left).all(|k| {
+        let left = ((end - now) / dt + 0.5).floor().max(0.0);
+        if left > MOST_LOOKED_AT {
+            // Nobody looks so far ahead: they may change.
+            return false;
+        }
+        let stays = (1..=left as usize).all(|k| {
             self.state.time = now + k as f64 * dt;
             self.update_conditions();
             let there = of(self);
@@ -125,18 +133,25 @@ impl Flow {
         &mut self,
         dt: f64,
         before: &Snapshot,
-        mut nearest: Residuals,
+        (mut nearest, spent): (Residuals, usize),
     ) -> Result<Report, StepError> {
         let first = self.time_of_a_cell();
         let mut tau = first;
-        let mut total = Report::default();
+        let mut passes = spent;
+        let outer = self.numerics.outer;
         let time = before.clock.0 + dt;
         for _ in 0..MOST_STEPS {
+            if passes > MOST_PASSES {
+                break;
+            }
             let endless = tau > LONG * first;
             self.work.pseudo_step = if endless { None } else { Some(tau) };
             self.state.time = before.clock.0;
             let last = self.snapshot();
-            let step = match self.advance(dt, Guess::Old) {
+            self.numerics.outer = if endless { outer } else { outer.min(PASSES) };
+            let step = self.advance(dt, Guess::Old);
+            self.numerics.outer = outer;
+            let step = match step {
                 Ok(step) => step,
                 Err(e @ StepError::Interrupted { .. }) => {
                     self.restore(before);
@@ -144,16 +159,20 @@ impl Flow {
                 }
                 Err(_) => None,
             };
-            if let Some(report) = step {
-                total.outer += report.outer;
-                let done = Report { outer: total.outer, steady: true, ..report };
-                if endless && report.residuals.u < nearest.u {
+            // One that failed has used up what it may.
+            passes += step.map_or(PASSES, |r| r.outer);
+            if let Some(report) = step.filter(|_| endless) {
+                if report.residuals.u < nearest.u {
                     nearest = report.residuals;
                 }
-                if endless && report.converged {
+                if report.converged || self.stalled(&report.residuals) {
+                    let verdict = self.believe(Report { outer: passes, steady: true, ..report });
+                    if verdict.is_err() {
+                        self.restore(before);
+                    }
                     self.remember_start(before);
-                    self.state.step = before.clock.1 + 1;
-                    return self.believe(done);
+                    self.state.step = before.clock.1 + usize::from(verdict.is_ok());
+                    return verdict;
                 }
             }
             if step.is_some_and(|r| r.converged || !endless && r.residuals.u < RELAXED) {

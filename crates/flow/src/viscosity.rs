@@ -12,9 +12,10 @@ use granflow_physics::rheology::{FlowView, RheologyInfo, magnitude};
 /// Smallest viscosity, Pa s: below any material's; it only keeps logarithms finite where grains
 /// are out of contact.
 const LEAST: f64 = 1e-12;
-/// Strain rate, over the greatest, below which a cell counts as being at rest, and so do all of them
-/// below this speed over that of a free fall through a cell.
+/// Strain rate, over the greatest, below which a cell counts as being at rest.
 const AT_REST: f64 = 1e-9;
+/// Speed over that of a free fall through a cell below which all cells count so.
+const STANDING_STILL: f64 = 1e-9;
 /// Relative error of a velocity difference over that of a velocity: rounding, times the contrast
 /// of viscosity between neighbours that a stress is averaged over.
 const ROUNDING: f64 = 1e-13;
@@ -248,7 +249,7 @@ impl Flow {
         }
         let (mesh, u) = (&self.mesh, &self.state.u.cells.data);
         let speed = |c: usize| granflow_base::norm(u[c]) / fall.speed(mesh.cell_size(c));
-        self.exec.max(mesh.n_cells, |r| r.map(speed).fold(0.0, f64::max)) < AT_REST
+        self.exec.max(mesh.n_cells, |r| r.map(speed).fold(0.0, f64::max)) < STANDING_STILL
     }
 
     /// Takes `eta_new` as it is: at the end of a step the viscosity is the rheology's own.

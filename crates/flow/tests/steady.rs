@@ -197,6 +197,28 @@ fn a_heap_too_steep_has_no_steady_state() {
     }
 }
 
+/// Where too few passes find nothing, what is taken back is all of the pseudo-time: velocity, pressure and fluidity are
+/// those before the step.
+#[test]
+fn a_step_that_finds_nothing_is_taken_back_whole() {
+    let mut flow = annular(32, 1e-4, Form::Steady);
+    found(&mut flow, "before");
+    let fluidity = |f: &Flow| f.fluid.rheology.field().expect("fluidity").data.clone();
+    let state = |f: &Flow| {
+        let s = &f.state;
+        (s.u.cells.data.clone(), s.p.cells.data.clone(), s.phi.data.clone(), (s.time, s.step))
+    };
+    let (before, g) = (state(&flow), fluidity(&flow));
+    let inner = flow.mesh.patches.iter().position(|p| p.name == "inner").expect("inner");
+    flow.state.u.conditions[inner] = fixed([0.0, 1e-1, 0.0]);
+    flow.numerics.outer = 3;
+    let e = flow.step(1.0).expect_err("three passes are too few");
+    println!("{e}");
+    flow.rollback();
+    assert!(state(&flow) == before, "the state is another one");
+    assert!(fluidity(&flow) == g, "the fluidity is another one");
+}
+
 /// The uniform root mu = mu_s of the fluidity equation is no guess that sticks.
 #[test]
 fn the_spurious_root_is_left() {

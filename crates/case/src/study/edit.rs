@@ -43,17 +43,15 @@ pub fn set_entry(root: &Path, rel: &str, entry: &str, text: &str) -> Result<(), 
     let sink = Sink::new();
     let dict = files::dict(root, rel, &sink)?.ok_or_else(|| EditError::NoFile(rel.to_owned()))?;
     let (path, range, new) = match place(&dict, rel, entry)? {
-        Some(span) => {
-            let path = Path::new(&span.src.path).to_owned();
-            let inside = path.starts_with(root) || !root.is_absolute() && path.is_relative();
-            if !inside || !path.is_file() {
-                let (entry, file) = (entry.to_owned(), span.src.path.clone());
-                return Err(EditError::Outside { entry, file });
-            }
-            (path, Some(span.range), text.to_owned())
-        }
+        Some(span) => (Path::new(&span.src.path).to_owned(), Some(span.range), text.to_owned()),
         None => (root.join(rel), None, appended(entry, text)),
     };
+    // Where it really lies, links and `..` followed.
+    let real = |p: &Path| p.canonicalize().ok();
+    if !real(&path).zip(real(root)).is_some_and(|(path, root)| path.starts_with(root)) {
+        let (entry, file) = (entry.to_owned(), path.display().to_string());
+        return Err(EditError::Outside { entry, file });
+    }
     let fail = |e| StoreError::new(Operation::Read, path.clone(), e);
     let mut bytes = std::fs::read(&path).map_err(fail)?;
     match range {
@@ -77,13 +75,30 @@ fn place(dict: &Dict, file: &str, entry: &str) -> Result<Option<Span>, EditError
                 return Err(wrong("through a value, not through dictionaries"));
             }
             (Some(Value::Stream(tokens)), None) => {
+                let own = here.find(part).map(|e| &e.key_span).and_then(own_text);
                 let ends = tokens.first().zip(tokens.last());
-                return Ok(ends.map(|(first, last)| first.span.to(&last.span)));
+                let whole = ends.map(|(first, last)| first.span.to(&last.span));
+                // One macro is changed where it is defined, a value with macros in it where it stands.
+                let one = |t: &str| t.starts_with('$') && !t.contains(char::is_whitespace);
+                return Ok(match own {
+                    Some(own) if own.text().contains('$') && !one(&own.text()) => Some(own),
+                    _ => whole,
+                });
             }
             (None, _) => return Ok(None),
         }
     }
     Ok(None)
+}
+
+/// What stands between a key and its `;`.
+fn own_text(key: &Span) -> Option<Span> {
+    let rest = key.src.text.get(key.range.end..)?;
+    let end = rest.iter().position(|b| *b == b';')?;
+    let from = rest[..end].iter().position(|b| !b.is_ascii_whitespace())?;
+    let to = rest[..end].iter().rposition(|b| !b.is_ascii_whitespace())? + 1;
+    let at = key.range.end;
+    Some(Span::new(&key.src, at + from..at + to))
 }
 
 /// `a { b { c text; } }` on a line of its own: later entries win, and dictionaries merge.
@@ -122,6 +137,32 @@ mod tests {
         let dir = case();
         set_entry(dir.path(), "constant/x", "NGFCoeffs.d", "2e-3").unwrap();
         assert!(read(&dir).starts_with("d 2e-3; // beads\n"), "{}", read(&dir));
+    }
+
+    #[test]
+    fn a_value_with_macros_in_it_is_replaced_where_it_stands() {
+        let dir = case();
+        let file = dir.path().join("constant/x");
+        std::fs::write(&file, "p0 75;\ninternalField uniform $p0;\nboth $p0 $p0;\n").unwrap();
+        set_entry(dir.path(), "constant/x", "internalField", "uniform 80").unwrap();
+        set_entry(dir.path(), "constant/x", "both", "1 2").unwrap();
+        assert_eq!(read(&dir), "p0 75;\ninternalField uniform 80;\nboth 1 2;\n");
+    }
+
+    #[test]
+    fn nothing_outside_of_the_case_is_touched() {
+        let dir = case();
+        let inner = dir.path().join("inner");
+        std::fs::create_dir_all(&inner).unwrap();
+        let before = read(&dir);
+        let outside = dir.path().join("constant/x").display().to_string();
+        for file in ["../constant/x", outside.as_str()] {
+            for entry in ["d", "nothing"] {
+                let e = set_entry(&inner, file, entry, "1").unwrap_err();
+                assert!(matches!(e, EditError::Outside { .. }), "{e}");
+            }
+        }
+        assert_eq!(read(&dir), before);
     }
 
     #[test]

@@ -22,8 +22,8 @@
 //! Points are cases below `fit/`; the table is `fit/parameters.csv`.
 
 use super::least_squares::{Bounds, Minimum, minimise};
-use super::setting::columns;
-use super::{Point, Setting};
+use super::setting::{check_name, columns};
+use super::{Point, Setting, begin};
 use crate::expect::interpolate;
 use crate::output::POST;
 use crate::plot::{Axis, LineFigure, Marker, PALETTE, Scale, Series};
@@ -108,6 +108,8 @@ pub struct Outcome {
     pub points: usize,
     /// The table and the figures.
     pub files: Vec<PathBuf>,
+    /// Where an earlier fit was put.
+    pub set_aside: Option<PathBuf>,
 }
 
 /// Why a fit ended without parameters.
@@ -117,12 +119,21 @@ pub enum FitError {
     Case(CaseError),
     /// The case has no solution at the start.
     NoStart(String),
+    /// Its results are not where the data are.
+    NoData(String),
     /// Asked to stop.
     Stopped,
 }
 
 /// A point with its differences over their errors, or why there are none.
-type Residuals = (Point, Result<Vec<f64>, String>);
+type Residuals = (Point, Result<Vec<f64>, Missing>);
+
+/// What a point lacks, and why.
+#[derive(Debug)]
+enum Missing {
+    Solution(String),
+    Data(String),
+}
 
 impl<E: Into<CaseError>> From<E> for FitError {
     fn from(e: E) -> Self {
@@ -146,19 +157,25 @@ impl Fit {
         if let Some(mut list) = r.list("parameters") {
             while !list.is_empty() {
                 let Some(one) = list.dict("a parameter") else { break };
-                parameters.push(read_parameter(&one));
+                let names: Vec<String> =
+                    parameters.iter().map(|p: &Parameter| p.name.clone()).collect();
+                parameters.push(read_parameter(&one, &names));
             }
         }
         let mut data = Vec::new();
         if let Some(mut list) = r.list("data") {
             while !list.is_empty() {
                 let Some(one) = list.dict("measured data") else { break };
-                data.extend(read_data(root, &one));
+                let names: Vec<String> = data.iter().map(|d: &Data| d.name.clone()).collect();
+                data.extend(read_data(root, &one, &names));
             }
         }
         let confidence = r.opt_in_range("confidence", Dims::NONE, 0.5..=0.9999, 0.95);
         r.finish(Severity::Error);
         let n: usize = data.iter().map(|d: &Data| d.x.len()).sum();
+        if !sink.has_errors() && parameters.is_empty() {
+            r.error_at_key("parameters", "there is no parameter", "needs one at least", None);
+        }
         if !sink.has_errors() && n <= parameters.len() {
             let message = format!("{n} data for {} parameters", parameters.len());
             r.error_at_key("data", message, "more data than parameters are needed", None);
@@ -180,18 +197,22 @@ impl Fit {
         sink: &Sink,
         tell: &mut dyn FnMut(usize, &[f64], f64),
     ) -> Result<Outcome, FitError> {
+        let (_lock, set_aside) = begin(case, "fit")?;
         let bounds: Vec<Bounds> = self
             .parameters
             .iter()
             .map(|p| Bounds { start: p.start, least: p.range[0], most: p.range[1] })
             .collect();
         let (mut points, mut why, mut best) = (0, String::new(), None::<(f64, Point)>);
+        let mut solved_at: Vec<(Vec<f64>, Point)> = Vec::new();
+        let mut no_data = None;
         let mut model = |at: &[Vec<f64>]| -> Result<Vec<Option<Vec<f64>>>, FitError> {
             let from = best.as_ref().map(|b| b.1.clone());
             let solved = self.solve(case, (points, at), from.as_ref(), options, sink)?;
             points += at.len();
             let mut out = Vec::new();
-            for (point, result) in solved {
+            for ((point, result), x) in solved.into_iter().zip(at) {
+                solved_at.push((x.clone(), point.clone()));
                 out.push(match result {
                     Ok(residuals) => {
                         let sum: f64 = residuals.iter().map(|r| r * r).sum();
@@ -200,8 +221,12 @@ impl Fit {
                         }
                         Some(residuals)
                     }
-                    Err(e) => {
+                    Err(Missing::Solution(e)) => {
                         why = e;
+                        None
+                    }
+                    Err(Missing::Data(e)) => {
+                        no_data = Some(e);
                         None
                     }
                 });
@@ -209,11 +234,15 @@ impl Fit {
             Ok(out)
         };
         let found = minimise(&bounds, &mut model, tell)?;
-        let found = found.ok_or(FitError::NoStart(why))?;
-        let at_end = best.map(|b| b.1);
+        let found = match (found, no_data) {
+            (Some(found), _) => found,
+            (None, Some(e)) => return Err(FitError::NoData(e)),
+            (None, None) => return Err(FitError::NoStart(why)),
+        };
+        let at_end = solved_at.into_iter().rev().find(|(x, _)| *x == found.at);
         let mut out = self.judge(&found);
-        out.points = points;
-        if let Some(point) = at_end {
+        (out.points, out.set_aside) = (points, set_aside);
+        if let Some((_, point)) = at_end {
             self.write(case, &point, &mut out)?;
         }
         Ok(out)
@@ -247,11 +276,16 @@ impl Fit {
                         })
                     })
                     .collect();
-                running.into_iter().map(|r| r.join()).collect()
+                let wait = |r: std::thread::ScopedJoinHandle<'_, _>| match r.join() {
+                    Ok(done) => done,
+                    Err(panic) => std::panic::resume_unwind(panic),
+                };
+                running.into_iter().map(wait).collect()
             });
             for one in solved {
-                let (one, said): (_, Diags) = one.map_err(|_| FitError::Stopped)?;
-                if one.is_err() {
+                let (one, said): (Result<Residuals, FitError>, Diags) = one;
+                // What the first point has to say the others would say again.
+                if one.is_err() || first == 0 && out.is_empty() {
                     sink.extend(said.0);
                 }
                 out.push(one?);
@@ -281,9 +315,11 @@ impl Fit {
             return Err(FitError::Stopped);
         }
         let result = match (solution.found(), solution.failure) {
-            (true, _) => self.residuals(root),
-            (false, Some(why)) => Err(why),
-            (false, None) => Err("a step did not converge".into()),
+            (true, _) => self.residuals(root).map_err(Missing::Data),
+            (false, Some(why)) => Err(Missing::Solution(why)),
+            (false, None) => {
+                Err(Missing::Solution("a step did not converge, or none was taken".into()))
+            }
         };
         Ok((point, result))
     }
@@ -292,7 +328,7 @@ impl Fit {
     fn residuals(&self, root: &Path) -> Result<Vec<f64>, String> {
         let mut out = Vec::new();
         for d in &self.data {
-            let (x, y) = d.curve(root)?;
+            let (x, y) = d.curve(root).map_err(|e| format!("`{}`: {e}", d.name))?;
             for (i, (at, measured)) in d.x.iter().zip(&d.y).enumerate() {
                 let error = d.error.as_ref().map_or(1.0, |e| e[i]);
                 let model = value_at(&x, &y, *at);
@@ -303,10 +339,12 @@ impl Fit {
                 });
             }
         }
-        if out.iter().all(|r| r.is_finite()) {
-            Ok(out)
-        } else {
-            Err("the case has no value where something was measured".into())
+        let places = self.data.iter().flat_map(|d| d.x.iter().map(move |x| (&d.name, x)));
+        match out.iter().zip(places).find(|(r, _)| !r.is_finite()) {
+            None => Ok(out),
+            Some((_, (name, x))) => {
+                Err(format!("`{name}`: the case has no value at {x}, where something was measured"))
+            }
         }
     }
 
@@ -323,7 +361,7 @@ impl Fit {
             .map(|(i, (p, x))| Found {
                 name: p.name.clone(),
                 value: *x,
-                half: deviation(i).map(|s| quantile * s),
+                half: deviation(i).map(|s| quantile * s).filter(|h| h.is_finite()),
                 at_bound: p.range.contains(x),
             })
             .collect();
@@ -341,6 +379,7 @@ impl Fit {
             converged: found.converged,
             points: 0,
             files: Vec::new(),
+            set_aside: None,
         }
     }
 
@@ -376,8 +415,9 @@ impl Fit {
                 series,
                 ..LineFigure::default()
             };
-            let stem = case.join(POST).join("figures").join(format!("fit_{}", d.name));
-            let (svg, png) = (stem.with_extension("svg"), stem.with_extension("png"));
+            let file =
+                |end: &str| case.join(POST).join("figures").join(format!("fit_{}.{end}", d.name));
+            let (svg, png) = (file("svg"), file("png"));
             write_atomic(&svg, figure.to_svg().as_bytes())?;
             write_atomic(&png, &figure.to_png()?)?;
             out.files.extend([png, svg]);
@@ -419,35 +459,33 @@ fn value_at(x: &[f64], y: &[f64], at: f64) -> f64 {
     }
 }
 
-fn read_parameter(r: &Reader<'_>) -> Parameter {
+fn read_parameter(r: &Reader<'_>, others: &[String]) -> Parameter {
     let start = r.scalar("start", Dims::NONE);
     let mut range = [f64::NEG_INFINITY, f64::INFINITY];
     if let Some(mut list) = r.list("range") {
         range = [list.number("the least value"), list.number("the greatest value")];
         list.finish();
     }
-    if !(range[0] <= start && start <= range[1]) {
+    if !(range[0] < range[1] && range[0] <= start && start <= range[1]) {
         let message =
             format!("start {start} does not lie in the range {} to {}", range[0], range[1]);
         r.error_at_key("start", message, "outside of `range`", None);
     }
-    let parameter = Parameter {
-        name: r.word("name").to_owned(),
-        start,
-        range,
-        settings: Setting::read_all(r, false),
-    };
+    let name = r.word("name").to_owned();
+    check_name(r, "name", &name, &others.iter().map(String::as_str).collect::<Vec<_>>());
+    let parameter = Parameter { name, start, range, settings: Setting::read_all(r, false) };
     r.finish(Severity::Error);
     parameter
 }
 
-fn read_data(root: &Path, r: &Reader<'_>) -> Option<Data> {
+fn read_data(root: &Path, r: &Reader<'_>, others: &[String]) -> Option<Data> {
     let text = |key: &str| r.string(key).to_owned();
     let measured = text("measured");
     let (x, y) = (text("x"), text("y"));
     let error = r.maybe_string("error").map(str::to_owned);
     let scales = [("linear", false), ("logarithmic", true)];
     let (name, model) = (r.word("name").to_owned(), ["file", "modelX", "modelY"].map(text));
+    check_name(r, "name", &name, &others.iter().map(String::as_str).collect::<Vec<_>>());
     let relative = r.opt_one_of("scale", &scales, false);
     r.finish(Severity::Error);
     let wanted: Vec<&str> =

@@ -6,6 +6,8 @@ const MOST_STEPS: usize = 40;
 /// Relative change of the sum of squares, and of the parameters over their scale, that ends the search.
 const SETTLED: f64 = 1e-7;
 const STANDING: f64 = 1e-7;
+/// Effect of a parameter over that of the strongest, each for a change of its own size, below which it is noise.
+const UNTOLD: f64 = 1e-5;
 /// Damping at first, its factor after a step that helped or not, and what is too much.
 const FIRST: f64 = 1e-3;
 const FACTOR: f64 = 10.0;
@@ -26,7 +28,8 @@ pub(super) struct Minimum {
     pub(super) at: Vec<f64>,
     /// Differences over their errors there.
     pub(super) residuals: Vec<f64>,
-    /// `(J^T J)^-1`, row by row; none where the data do not tell some of the parameters.
+    /// `(J^T J)^-1`, row by row, infinite for parameters that the data do not tell; none where others cannot be told
+    /// apart.
     pub(super) covariance: Option<Vec<Vec<f64>>>,
     /// Whether the search came to its end.
     pub(super) converged: bool,
@@ -59,6 +62,7 @@ pub(super) fn minimise<E>(
             .iter()
             .map(|s| -s.iter().zip(&residuals).map(|(a, b)| a * b).sum::<f64>())
             .collect();
+        let told = told(bounds, &normal);
         tell(steps, &at, sum);
         if converged || steps == MOST_STEPS {
             break;
@@ -67,12 +71,19 @@ pub(super) fn minimise<E>(
         loop {
             let mut damped = normal.clone();
             (0..n).for_each(|i| damped[i][i] += damping * normal[i][i].max(f64::MIN_POSITIVE));
-            let step = inverse(&damped).map(|inverse| times(&inverse, &downhill));
-            let Some(step) = step else { break };
+            // What the data do not tell stays where it is.
+            let step = inverse_of(&damped, &told).map(|inverse| times(&inverse, &downhill));
+            let Some(step) = step else {
+                converged = false;
+                break;
+            };
             let trial: Vec<f64> =
                 (0..n).map(|i| (at[i] + step[i]).clamp(bounds[i].least, bounds[i].most)).collect();
             let moved = (0..n).map(|i| (trial[i] - at[i]).abs() / bounds[i].scale());
             let moved = moved.fold(0.0, f64::max);
+            if trial.iter().any(|x| !x.is_finite()) {
+                break;
+            }
             let found = model(std::slice::from_ref(&trial))?.pop().flatten();
             let better = found.map(|r| (squares(&r), r)).filter(|(s, _)| *s < sum);
             if let Some((less, there)) = better {
@@ -89,7 +100,11 @@ pub(super) fn minimise<E>(
             damping *= FACTOR;
         }
     }
-    let covariance = inverse(&normal);
+    let told = told(bounds, &normal);
+    let covariance = inverse_of(&normal, &told).map(|mut c| {
+        (0..n).filter(|i| !told[*i]).for_each(|i| c[i][i] = f64::INFINITY);
+        c
+    });
     Ok(Some(Minimum { at, residuals, covariance, converged }))
 }
 
@@ -109,7 +124,14 @@ fn jacobian<E>(
 ) -> Result<Option<Vec<Vec<f64>>>, E> {
     let step = |i: usize| {
         let h = 1e-3 * bounds[i].scale();
-        if at[i] + h > bounds[i].most { -h } else { h }
+        let Bounds { least, most, .. } = bounds[i];
+        if at[i] + h <= most {
+            h
+        } else if at[i] - h >= least {
+            -h
+        } else {
+            most - at[i]
+        }
     };
     let beside = |i: usize| {
         let mut x = at.to_vec();
@@ -123,6 +145,26 @@ fn jacobian<E>(
         out.push(there.iter().zip(residuals).map(|(a, b)| (a - b) / step(i)).collect());
     }
     Ok(Some(out))
+}
+
+/// Which parameters the residuals depend on by more than the noise of a solution.
+fn told(bounds: &[Bounds], normal: &[Vec<f64>]) -> Vec<bool> {
+    let effect = |i: usize| normal[i][i].sqrt() * bounds[i].scale();
+    let most = (0..bounds.len()).map(effect).fold(0.0, f64::max);
+    (0..bounds.len()).map(|i| effect(i) > UNTOLD * most).collect()
+}
+
+/// The inverse of the part of `a` that `wanted` names, with zeros elsewhere.
+fn inverse_of(a: &[Vec<f64>], wanted: &[bool]) -> Option<Vec<Vec<f64>>> {
+    let kept: Vec<usize> = (0..a.len()).filter(|i| wanted[*i]).collect();
+    let part: Vec<Vec<f64>> =
+        kept.iter().map(|i| kept.iter().map(|j| a[*i][*j]).collect()).collect();
+    let part = inverse(&part)?;
+    let mut out = vec![vec![0.0; a.len()]; a.len()];
+    for (r, i) in kept.iter().enumerate() {
+        kept.iter().enumerate().for_each(|(c, j)| out[*i][*j] = part[r][c]);
+    }
+    Some(out)
 }
 
 fn squares(r: &[f64]) -> f64 {
@@ -215,6 +257,8 @@ mod tests {
         let mut model =
             |p: &[Vec<f64>]| Ok::<_, ()>(p.iter().map(of).collect::<Vec<Option<Vec<f64>>>>());
         let found = minimise(&bounds, &mut model, &mut |_, _, _| ()).unwrap().unwrap();
-        assert!(found.covariance.is_none(), "{found:?}");
+        let c = found.covariance.clone().unwrap();
+        assert!((found.at[0] - 1.0).abs() < 1e-6 && found.at[1] == 0.5, "{found:?}");
+        assert!((c[0][0] - 0.2).abs() < 1e-6 && c[1][1].is_infinite(), "{found:?}");
     }
 }

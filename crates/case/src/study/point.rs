@@ -4,7 +4,7 @@ use super::{EditError, Setting, set_entry};
 use crate::restart::WholeState;
 use crate::store::{CaseLock, DirWriter, Operation, StoreError, list_times};
 use crate::{Case, CaseError, End, Event, Notices, Options, Run, init};
-use granflow_dict::Sink;
+use granflow_dict::{Diags, Severity, Sink};
 use std::path::{Path, PathBuf};
 
 /// A copy of a case.
@@ -23,8 +23,12 @@ pub struct Solution {
     pub steady: bool,
     /// Outer passes, all steps together.
     pub passes: usize,
+    /// Steps taken.
+    pub steps: usize,
     /// Why there is none.
     pub failure: Option<String>,
+    /// The mistakes, where the case with these entries has some.
+    pub mistakes: Option<Diags>,
     /// Whether the program was asked to stop.
     pub stopped: bool,
 }
@@ -32,7 +36,7 @@ pub struct Solution {
 impl Solution {
     /// Whether there is one.
     pub fn found(&self) -> bool {
-        self.failure.is_none() && self.converged && !self.stopped
+        self.failure.is_none() && self.converged && self.steps > 0 && !self.stopped
     }
 }
 
@@ -78,10 +82,11 @@ impl Point {
     }
 
     /// Runs it, from the fields that the point `from` ended with, where they are of a mesh of the same size.
-    /// Mistakes go to the sink; a computation that fails is a [`Solution`] without one.
+    /// A computation that fails is a [`Solution`] without one, and so is a case with mistakes; what else is to be said
+    /// of it goes to the sink.
     ///
     /// # Errors
-    /// The input is wrong or the machine failed.
+    /// The machine failed.
     pub fn run(
         &self,
         from: Option<&Point>,
@@ -90,15 +95,32 @@ impl Point {
     ) -> Result<Solution, CaseError> {
         let _lock = CaseLock::take(&self.root)?;
         init::from_orig(&self.root)?;
-        let mut case = Case::load(&self.root, options, sink, &Notices::new())?;
-        if let Some(from) = from {
-            from.hand_over(&mut case, sink)?;
-        }
-        let mut run = Run::start(case, options, sink)?;
+        let own = Sink::new();
+        let begun = Case::load(&self.root, options, &own, &Notices::new()).and_then(|mut case| {
+            if let Some(from) = from {
+                from.hand_over(&mut case)?;
+            }
+            Run::start(case, options, &own)
+        });
+        let mut run = match begun {
+            Ok(run) => run,
+            Err(CaseError::Invalid) => {
+                let said = own.take();
+                let failure = said.iter().find(|d| d.severity == Severity::Error);
+                return Ok(Solution {
+                    failure: Some(failure.map_or(String::new(), |d| d.message.clone())),
+                    mistakes: Some(said),
+                    ..Solution::default()
+                });
+            }
+            Err(e) => return Err(e),
+        };
+        sink.extend(own.take().0);
         let mut out = Solution { converged: true, ..Solution::default() };
         loop {
             match run.advance() {
                 Ok(Event::Step(event)) => {
+                    out.steps += 1;
                     out.converged &= event.report.converged;
                     out.steady = event.report.steady;
                     out.passes += event.report.outer;
@@ -119,10 +141,10 @@ impl Point {
     }
 
     /// Gives `case` the fields of the last time of this one as a first guess.
-    fn hand_over(&self, case: &mut Case, sink: &Sink) -> Result<(), CaseError> {
+    fn hand_over(&self, case: &mut Case) -> Result<(), CaseError> {
         let Some((_, dir)) = list_times(&self.root)?.pop() else { return Ok(()) };
         let Some(dir) = dir.file_name().and_then(|d| d.to_str()) else { return Ok(()) };
-        let state = WholeState::read(&self.root, dir, &case.config, &case.poly, sink);
+        let state = WholeState::read(&self.root, dir, &case.config, &case.poly, &Sink::new());
         let Ok(Some(state)) = state else { return Ok(()) };
         let start = &mut case.start;
         if state.u.cells.len() != start.u.cells.len() {

@@ -6,6 +6,19 @@ use crate::store::TimeName;
 use granflow_dict::Reader;
 use std::path::{Path, PathBuf};
 
+/// Refuses a name that is no word of letters, digits, `_` and `-`, or that is there already: names become those of files.
+pub(super) fn check_name(r: &Reader<'_>, key: &str, name: &str, others: &[&str]) {
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '_' || c == '-';
+    if name.is_empty() {
+        // Missing, which was said.
+    } else if !name.chars().all(plain) {
+        let help = Some("letters, digits, `_` and `-`: it becomes a part of files' names");
+        r.error_at_key(key, format!("`{name}` cannot be a name"), "not a plain word", help);
+    } else if others.contains(&name) {
+        r.error_at_key(key, format!("`{name}` is there already"), "a name of its own", None);
+    }
+}
+
 /// An entry of a file of the case with the value it gets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setting {
@@ -33,6 +46,18 @@ impl Setting {
                     None => one.opt_string("value", "{x}").to_owned(),
                 },
             };
+            let outside =
+                setting.file.starts_with('/') || setting.file.split('/').any(|p| p == "..");
+            if outside {
+                let help =
+                    Some("write its path within the case, like `constant/transportProperties`");
+                one.error_at_key(
+                    "file",
+                    "only files of the case can be changed",
+                    "not of the case",
+                    help,
+                );
+            }
             if let Err(e) = setting.text(1.0, of_family.then_some(1.0)) {
                 one.error_at_key("value", e, "cannot be evaluated", None);
             }
@@ -100,6 +125,8 @@ impl Quantity {
                 file: one.string("file").to_owned(),
                 value: one.string("value").to_owned(),
             };
+            let others: Vec<&str> = out.iter().map(|q: &Quantity| q.name.as_str()).collect();
+            check_name(&one, "name", &quantity.name, &[&others[..], &["limit"]].concat());
             if let Err(e) = check(&quantity.value) {
                 one.error_at_key("value", e.to_string(), "cannot be evaluated", None);
             }

@@ -24,8 +24,9 @@
 //! Point by point a case is written to `sweep/`, and the table to `sweep/<parameter>.csv`; the limits of a family to
 //! `sweep/limit.csv`.
 
+use super::setting::check_name;
 use super::sweep_table::scale;
-use super::{Point, Quantity, Setting, Solution};
+use super::{Point, Quantity, Setting, Solution, begin};
 use crate::plot::Scale;
 use crate::{CaseError, Options, files};
 use granflow_dict::{Diag, Reader, Severity, Sink, number};
@@ -111,6 +112,8 @@ pub struct Outcome {
     pub limits: Vec<Ends>,
     /// The table and the figures.
     pub files: Vec<PathBuf>,
+    /// Where an earlier sweep was put.
+    pub set_aside: Option<PathBuf>,
     /// Whether the program was asked to stop.
     pub stopped: bool,
 }
@@ -153,15 +156,21 @@ impl Sweep {
             Limit { below, points: l.opt_label_in("points", 0..=60, 8) as usize }
         });
         let family = r.opt_sub("family").map(|f| Family {
-            parameter: f.word("parameter").to_owned(),
+            parameter: {
+                let name = f.word("parameter").to_owned();
+                check_name(&f, "parameter", &name, &[]);
+                name
+            },
             unit: f.opt_string("unit", "").to_owned(),
             values: read_values(&f).0,
             settings: Setting::read_all(&f, true),
         });
         let figures = r.has("figures").then(|| rel.to_owned());
         r.ignore("figures");
+        let parameter = r.word("parameter").to_owned();
+        check_name(&r, "parameter", &parameter, &["limit"]);
         let sweep = Sweep {
-            parameter: r.word("parameter").to_owned(),
+            parameter,
             unit: r.opt_string("unit", "").to_owned(),
             values,
             settings: Setting::read_all(&r, r.has("family")),
@@ -190,10 +199,10 @@ impl Sweep {
         sink: &Sink,
         tell: &mut dyn FnMut(&Row),
     ) -> Result<Outcome, CaseError> {
+        let (_lock, set_aside) = begin(case, "sweep")?;
         let Some(family) = &self.family else {
             let mut out = self.walk(case, None, options, sink, tell)?;
-            self.write(case, sink, &mut out)?;
-            return Ok(out);
+            return self.end(case, sink, (out.set_aside.take().or(set_aside), out));
         };
         // Each of a family goes its own way.
         let one = Options { threads: 1, ..options.clone() };
@@ -210,6 +219,22 @@ impl Sweep {
         let key = |y: Option<f64>| y.unwrap_or(0.0);
         out.rows.sort_by(|a, b| key(a.y).total_cmp(&key(b.y)).then(a.x.total_cmp(&b.x)));
         out.limits.sort_by(|a, b| key(a.y).total_cmp(&key(b.y)));
+        self.end(case, sink, (set_aside, out))
+    }
+
+    /// Writes what there is. Where every point had mistakes in its files, they are the study's.
+    fn end(
+        &self,
+        case: &Path,
+        sink: &Sink,
+        (set_aside, mut out): (Option<PathBuf>, Outcome),
+    ) -> Result<Outcome, CaseError> {
+        let wrong = |row: &Row| row.solution.mistakes.is_some();
+        if !out.rows.is_empty() && out.rows.iter().all(wrong) {
+            sink.extend(out.rows.swap_remove(0).solution.mistakes.unwrap_or_default().0);
+            return Err(CaseError::Invalid);
+        }
+        out.set_aside = set_aside;
         self.write(case, sink, &mut out)?;
         Ok(out)
     }
@@ -227,17 +252,23 @@ impl Sweep {
         if self.continuation {
             let mut last: Option<Point> = None;
             for &x in &self.values {
-                let row = self.point(case, (x, y), last.as_ref(), options, sink)?;
+                let quiet = Sink::new();
+                // What one point has to say the others would say again.
+                let said = if out.rows.is_empty() { sink } else { &quiet };
+                let row = self.point(case, (x, y), last.as_ref(), options, said)?;
+                if row.solution.stopped {
+                    out.stopped = true;
+                    break;
+                }
                 tell(&row);
                 let flows = self.flows(&row);
                 let ended = self.limit.is_some() && last.is_some() && !flows;
                 if flows {
                     last = Some(Point { root: row.root.clone() });
                 }
-                out.stopped |= row.solution.stopped;
                 out.rows.push(row);
                 // Behind the limit nothing is left to follow.
-                if out.stopped || ended {
+                if ended {
                     break;
                 }
             }
@@ -245,9 +276,12 @@ impl Sweep {
             let one = Options { threads: 1, ..options.clone() };
             let point = |x: f64, own: &Sink| self.point(case, (x, y), None, &one, own);
             let mut take = |row: Row| {
-                tell(&row);
-                out.stopped |= row.solution.stopped;
-                out.rows.push(row);
+                if row.solution.stopped {
+                    out.stopped = true;
+                } else {
+                    tell(&row);
+                    out.rows.push(row);
+                }
                 out.stopped
             };
             side_by_side(&self.values, options.threads, sink, &point, &mut take)?;
@@ -255,7 +289,7 @@ impl Sweep {
             out.rows.sort_by_key(|row| self.values.iter().position(|x| *x == row.x));
         }
         if !out.stopped {
-            self.find_limit(case, y, options, sink, tell, &mut out)?;
+            self.find_limit(case, y, options, tell, &mut out)?;
         }
         out.rows.sort_by(|a, b| a.x.total_cmp(&b.x));
         Ok(out)
@@ -272,7 +306,6 @@ impl Sweep {
         case: &Path,
         y: Option<f64>,
         options: &Options,
-        sink: &Sink,
         tell: &mut dyn FnMut(&Row),
         out: &mut Outcome,
     ) -> Result<(), CaseError> {
@@ -287,12 +320,12 @@ impl Sweep {
                 Spacing::Logarithmic => (flows * stands).sqrt(),
                 Spacing::Linear => 0.5 * (flows + stands),
             };
-            let row = self.point(case, (x, y), Some(&from), options, sink)?;
-            tell(&row);
-            out.stopped |= row.solution.stopped;
-            if out.stopped {
+            let row = self.point(case, (x, y), Some(&from), options, &Sink::new())?;
+            if row.solution.stopped {
+                out.stopped = true;
                 return Ok(());
             }
+            tell(&row);
             if limit.flows(&row) {
                 (flows, from) = (x, Point { root: row.root.clone() });
             } else {
@@ -330,8 +363,8 @@ impl Sweep {
     }
 }
 
-/// Does `work` on every item, so many at a time, and hands what comes out to `take` until that says stop. Mistakes
-/// of the same kind in many items are said once.
+/// Does `work` on every item, so many at a time, and hands what comes out to `take` until that says stop. What there is
+/// to say of one item goes to the sink: the others would say it again.
 fn side_by_side<R: Send>(
     items: &[f64],
     threads: usize,
@@ -364,9 +397,13 @@ fn side_by_side<R: Send>(
                 q.clear();
             }
         };
+        let mut first = true;
         for (result, said) in results {
             match result {
                 Ok(result) => {
+                    if std::mem::take(&mut first) {
+                        sink.extend(said.0);
+                    }
                     if take(result) {
                         empty();
                     }
@@ -407,6 +444,11 @@ fn read_values(r: &Reader<'_>) -> (Vec<f64>, Spacing) {
                 }
             }
         }
+        let repeated = (1..out.len()).any(|i| out[..i].contains(&out[i]));
+        if out.is_empty() || repeated {
+            let what = if repeated { "a value is there twice" } else { "there is no value" };
+            r.error_at_key("values", what, "needs values, each once", None);
+        }
         let positive = out.iter().all(|x| *x > 0.0);
         let decades = positive && scale(&out) == Scale::Log;
         return (out, if decades { Spacing::Logarithmic } else { Spacing::Linear });
@@ -419,6 +461,9 @@ fn read_values(r: &Reader<'_>) -> (Vec<f64>, Spacing) {
         Spacing::Logarithmic => (range.positive("from", none), range.positive("to", none)),
     };
     let n = range.label_in("points", 1..=10_000) as usize;
+    if n > 1 && from == to {
+        range.error_at_key("to", "a range from a value to itself", "another value", None);
+    }
     let at = |i: usize| {
         let t = if n > 1 { i as f64 / (n - 1) as f64 } else { 0.0 };
         match spacing {

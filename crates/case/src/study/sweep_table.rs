@@ -116,8 +116,8 @@ fn draw(
         series.extend([Series::line(name, points).coloured(colour), markers.coloured(colour)]);
     }
     let figure = LineFigure { x, y, series, ..LineFigure::default() };
-    let stem = case.join(POST).join("figures").join(format!("sweep_{name}"));
-    let (svg, png) = (stem.with_extension("svg"), stem.with_extension("png"));
+    let file = |end: &str| case.join(POST).join("figures").join(format!("sweep_{name}.{end}"));
+    let (svg, png) = (file("svg"), file("png"));
     write_atomic(&svg, figure.to_svg().as_bytes())?;
     write_atomic(&png, &figure.to_png()?)?;
     Ok(vec![png, svg])

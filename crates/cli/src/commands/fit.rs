@@ -1,6 +1,6 @@
 //! `granflow fit`: the parameters behind measured profiles.
 
-use super::need_case;
+use super::{need_case, set_aside};
 use crate::args::Study;
 use crate::failure::Failure;
 use crate::session::Session;
@@ -39,12 +39,17 @@ pub(crate) fn command(session: &mut Session, args: &Study) -> Result<(), Failure
                 help,
             ));
         }
+        Err(FitError::NoData(why)) => {
+            let help = "look at `file`, `modelX` and `modelY` of the data, and at the range that the case writes";
+            return Err(Failure::refused(format!("nothing to compare with: {why}"), help));
+        }
         Err(FitError::Stopped) => {
             let signal = signals.received().unwrap_or(signal_hook::consts::SIGTERM);
             return Err(Failure::Signal(signal));
         }
     };
     session.speak_up();
+    set_aside(session, outcome.set_aside.as_deref());
     for text in told(&fit, &outcome, begin.elapsed().as_secs_f64()) {
         session.out.say(&text);
     }

@@ -169,13 +169,13 @@ const SCHEMES: &[(&str, &str, &str, &str)] = &[
         "differences over two steps, second order",
         "C. W. Gear, Numerical Initial Value Problems in Ordinary Differential Equations, 1971",
     ),
-    ("gradient", "Gauss", "Gauss's theorem with linear interpolation, `Gauss linear`", FERZIGER),
     (
         "time",
         "steadyState",
         "none: a step finds the steady state of the conditions at its end",
         "book, Steady states",
     ),
+    ("gradient", "Gauss", "Gauss's theorem with linear interpolation, `Gauss linear`", FERZIGER),
     (
         "gradient",
         "leastSquares",

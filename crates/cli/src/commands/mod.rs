@@ -14,7 +14,8 @@ pub(crate) mod validate;
 
 use crate::failure::Failure;
 use crate::output::complain;
-use crate::text::count;
+use crate::session::Session;
+use crate::text::{count, shown};
 use granflow_mesh::check::{CheckReport, Severity};
 use std::path::Path;
 
@@ -33,6 +34,15 @@ fn need_case(root: &Path) -> Result<(), Failure> {
         return Err(Failure::refused(format!("`{shown}` is no case: it has no `system`"), help));
     }
     Ok(())
+}
+
+/// Says where an earlier study was put.
+fn set_aside(session: &mut Session, to: Option<&Path>) {
+    if let Some(to) = to {
+        session
+            .out
+            .say(&format!("note: what an earlier study left was set aside in {}", shown(to)));
+    }
 }
 
 /// Refuses a mesh that cannot be computed on; its faults are said with their places.

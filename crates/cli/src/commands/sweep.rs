@@ -1,6 +1,6 @@
 //! `granflow sweep`: a case at many values of one parameter.
 
-use super::need_case;
+use super::{need_case, set_aside};
 use crate::args::Study;
 use crate::failure::Failure;
 use crate::session::Session;
@@ -38,6 +38,7 @@ pub(crate) fn command(session: &mut Session, args: &Study) -> Result<(), Failure
         }
     })?;
     session.speak_up();
+    set_aside(session, outcome.set_aside.as_deref());
     session.out.say(&format!(
         "{} in {} of wall time",
         count(points, "point"),

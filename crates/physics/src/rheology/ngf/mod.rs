@@ -62,6 +62,8 @@ pub struct Ngf {
     remembers: bool,
     /// Whether `g` is the solution of an earlier update of this step, from which the next one follows.
     follows: bool,
+    /// Whether the last update did so.
+    followed: bool,
     numerics: NgfNumerics,
     eqn: Equation<f64>,
     /// Share of the faces through which the fluidity spreads: 1 but beside another fluid.
@@ -140,6 +142,7 @@ impl Ngf {
             known: false,
             remembers: false,
             follows: false,
+            followed: false,
             numerics,
             linear: vec![0.0; eqn.a.val.len()],
             eqn,
@@ -344,11 +347,12 @@ impl Rheology for Ngf {
     }
     fn begin_step(&mut self) {
         self.remembers = false;
-        self.follows = false;
+        (self.follows, self.followed) = (false, false);
         self.g_old.copy_from_slice(&self.g.cells.data);
     }
     fn doubt(&mut self) -> bool {
-        std::mem::take(&mut self.follows)
+        self.follows = false;
+        std::mem::take(&mut self.followed)
     }
     fn rollback(&mut self) {
         self.g.cells.data.copy_from_slice(&self.g_old);

@@ -169,10 +169,12 @@ impl Ngf {
     pub(super) fn newton(&mut self, v: &FlowView<'_>) -> Result<RheologyInfo, RheologyError> {
         let mut info = RheologyInfo::default();
         self.held.clear();
+        self.followed = false;
         if self.follows {
             self.allow_rate(v);
             self.iterate(v, (NEAR, FEW), &mut info)?;
             if info.residual <= self.numerics.residual {
+                self.followed = true;
                 return Ok(info);
             }
         }
