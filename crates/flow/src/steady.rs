@@ -1,9 +1,10 @@
 //! The steady state, found directly: a step without inertia, iterated until momentum, continuity, viscosity and
 //! the friction of walls balance, from the flow as it is and else from rest.
 //!
-//! The interface between two fluids is held. Where the iteration does not converge the flow is relaxed in pseudo-time: steps of implicit Euler whose length grows as
-//! long as their forces come near to balance (W. A. Mulder, B. van Leer, J. Comput. Phys. 59 (1985) 232; convergence: C. T. Kelley,
-//! D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508), until one without end does.
+//! The interface between two fluids is held. Where the iteration does not converge the flow is relaxed in
+//! pseudo-time: steps of implicit Euler whose length grows as long as their forces come near to balance
+//! (W. A. Mulder, B. van Leer, J. Comput. Phys. 59 (1985) 232; convergence: C. T. Kelley, D. E. Keyes, SIAM J. Numer.
+//! Anal. 35 (1998) 508), until one without end converges.
 
 use crate::failure::Guess;
 use crate::{Flow, Report, Residuals, StepError, TimeScheme};

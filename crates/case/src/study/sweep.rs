@@ -201,8 +201,8 @@ impl Sweep {
     ) -> Result<Outcome, CaseError> {
         let (_lock, set_aside) = begin(case, "sweep")?;
         let Some(family) = &self.family else {
-            let mut out = self.walk(case, None, options, sink, tell)?;
-            return self.end(case, sink, (out.set_aside.take().or(set_aside), out));
+            let out = self.walk(case, None, options, sink, tell)?;
+            return self.end(case, sink, (set_aside, out));
         };
         // Each of a family goes its own way.
         let one = Options { threads: 1, ..options.clone() };
