@@ -11,7 +11,8 @@ use granflow_fv::{Condition, Convection};
 use granflow_linsolve::Tolerance;
 use granflow_mesh::{PatchKind, shapes};
 use granflow_physics::rheology::{
-    Bingham, Form, Granular, HerschelBulkley, Law, MuI, Newtonian, Ngf, NgfNumerics, Rheology,
+    Bingham, Form, Granular, HerschelBulkley, Law, LocalLaw, MuI, Newtonian, Ngf, NgfNumerics,
+    Point, PowerLaw, Rheology,
 };
 
 const TIGHT: ResidualControl = ResidualControl { u: 1e-8, p: 1e-8, viscosity: 1e-8 };
@@ -98,12 +99,27 @@ fn channel(rheology: Box<dyn Rheology>, rho: f64, pull: f64, p: f64) -> Flow {
     s.flow(rheology, |_| fixed([0.0; 3]), |_| pressure(p))
 }
 
+/// A power law whose kinematic viscosity is its dynamic one.
+struct OfUnitDensity(PowerLaw);
+impl LocalLaw for OfUnitDensity {
+    fn viscosity(&self, at: Point) -> f64 {
+        self.0.nu(at.strain_rate)
+    }
+}
+
 #[test]
 fn laws_without_a_field_of_their_own() {
     let beads = Granular { d: 0.02, ..BEADS };
     type Law = (&'static str, Box<dyn Rheology>, f64, f64, f64);
-    let laws: [Law; 4] = [
+    let laws: [Law; 5] = [
         ("Newtonian", local(Newtonian { eta: 2.0 }), 1.0, 8.0, 0.0),
+        (
+            "power law",
+            local(OfUnitDensity(PowerLaw { k: 2.0, n: 0.5, nu: [1e-6, 1e6] })),
+            1.0,
+            8.0,
+            0.0,
+        ),
         ("Bingham", local(Bingham { tau0: 1.0, nu: 2.0, nu0: 2e6, density: 1.0 }), 1.0, 8.0, 0.0),
         (
             "Herschel-Bulkley",
