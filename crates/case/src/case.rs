@@ -37,11 +37,21 @@ pub struct Options {
     pub until: Option<f64>,
     /// Set from outside: the run writes and stops after the present step.
     pub stop: Arc<AtomicBool>,
+    /// Hears of every outer pass, from rank 0.
+    pub watch: Option<granflow_flow::Watch>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { threads: 1, ranks: 1, share: None, from: None, until: None, stop: Arc::default() }
+        Options {
+            threads: 1,
+            ranks: 1,
+            share: None,
+            from: None,
+            until: None,
+            stop: Arc::default(),
+            watch: None,
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::functions::{Derivations, Function, View, Written};
 use crate::tensile::{self, Tensile};
 use crate::{Case, Options};
 use granflow_base::{Vec3, dot};
-use granflow_flow::{Flow, Report, StepError};
+use granflow_flow::{Flow, Report, StepError, Watch};
 use granflow_mesh::Mesh;
 use granflow_par::{Comm, Exec, InProcess};
 use std::sync::Arc;
@@ -115,6 +115,8 @@ pub(crate) struct Worker {
     tensile_known: bool,
     /// Asks the flow to give up the step it is at.
     stop: Arc<AtomicBool>,
+    /// Hears of the flow's passes.
+    watch: Option<Watch>,
     /// Name of the present time in tables.
     pub(crate) time_name: String,
 }
@@ -141,9 +143,17 @@ impl Worker {
             tensile: None,
             tensile_known: case.config.transport.grains.is_none(),
             stop,
+            watch: None,
             time_name: String::new(),
             case,
         }
+    }
+
+    /// With somebody who hears of the passes.
+    fn watched(mut self, watch: &Option<Watch>) -> Worker {
+        self.watch = watch.clone();
+        self.flow_mut().watch = watch.clone();
+        self
     }
 
     /// The flow.
@@ -328,6 +338,7 @@ impl Worker {
         if let Some(Flow { exec, mesh, .. }) = self.flow.take() {
             let mut flow = build::flow(&self.case, exec, mesh, start);
             flow.stop = Some(self.stop.clone());
+            flow.watch = self.watch.clone();
             self.flow = Some(flow);
         }
     }
@@ -360,7 +371,7 @@ impl Crew {
             let exec = exec(options, Box::new(granflow_par::Solo));
             let mesh = case.mesh.clone();
             return Ok(Crew {
-                worker: Worker::new(case, exec, mesh, stop.clone()),
+                worker: Worker::new(case, exec, mesh, stop.clone()).watched(&options.watch),
                 others: Vec::new(),
             });
         }
@@ -381,7 +392,8 @@ impl Crew {
         }
         let (comm, mesh) = first.expect("at least one rank");
         let exec = exec(options, Box::new(comm));
-        Ok(Crew { worker: Worker::new(case, exec, Arc::new(mesh), stop.clone()), others })
+        let worker = Worker::new(case, exec, Arc::new(mesh), stop.clone());
+        Ok(Crew { worker: worker.watched(&options.watch), others })
     }
 }
 

@@ -4,14 +4,19 @@
 use crate::output::{Output, complain};
 use crate::text::{count, duration, number, residual, rounded};
 use granflow_case::StepEvent;
-use granflow_flow::Report;
+use granflow_flow::{Report, Residuals, Watch};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::Write as _;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// Least time between two plain lines.
 const PLAIN: Duration = Duration::from_secs(2);
 /// Least time between two drawings of the bar.
 const DRAWN: Duration = Duration::from_millis(100);
+/// The same within a step.
+const LONG: Duration = Duration::from_secs(5);
+const LONG_DRAWN: Duration = Duration::from_millis(500);
 /// Parts of the bar.
 const PARTS: u64 = 1000;
 
@@ -39,6 +44,31 @@ impl Progress {
             bar
         });
         Progress { bar, last: None }
+    }
+
+    /// Shows the passes of a step that takes long.
+    pub(crate) fn watch(&self, out: &Output) -> Option<Watch> {
+        if out.quiet() {
+            return None;
+        }
+        let (bar, last) = (self.bar.clone(), Mutex::new(Instant::now()));
+        Some(Watch(Arc::new(move |pass, now| {
+            let Ok(mut last) = last.lock() else { return };
+            if pass == 0 {
+                *last = Instant::now();
+            }
+            let least = if bar.is_some() { LONG_DRAWN } else { LONG };
+            if last.elapsed() < least {
+                return;
+            }
+            *last = Instant::now();
+            let line = passing(pass, now);
+            match &bar {
+                Some(bar) => bar.set_message(line),
+                // A closed pipe is the reader's choice.
+                None => drop(writeln!(std::io::stdout().lock(), "       {line}")),
+            }
+        })))
     }
 
     /// Shows a step.
@@ -121,10 +151,22 @@ pub(crate) fn status(step: usize, r: &Report, left: Option<f64>) -> String {
     parts.join("  ")
 }
 
+/// `pass 12  U 2.1e-3  p 3.4e-5  visc 8.0e-2`.
+fn passing(pass: usize, now: &Residuals) -> String {
+    let (u, p, viscosity) = (residual(now.u), residual(now.p), residual(now.viscosity));
+    format!("pass {pass}  U {u}  p {p}  visc {viscosity}")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granflow_flow::{Residuals, SolveCount};
+
+    #[test]
+    fn a_pass_is_told_in_a_line() {
+        let now = Residuals { u: 2.12e-3, p: 0.0, viscosity: 0.0812 };
+        assert_eq!(passing(12, &now), "pass 12  U 2.1e-3  p 0  visc 8.1e-2");
+    }
+    use granflow_flow::SolveCount;
 
     #[test]
     fn the_line_is_readable() {

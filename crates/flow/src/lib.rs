@@ -21,6 +21,7 @@ mod step;
 mod two_phase;
 mod viscosity;
 pub mod vof;
+mod watch;
 mod work;
 
 pub use anderson::{Anderson, Limit};
@@ -30,6 +31,7 @@ pub use state::{
 };
 pub use step::{Derived, Flow};
 pub use two_phase::{Mixing, Pores, Prescribed, TwoPhase, TwoPhaseParts};
+pub use watch::Watch;
 
 use granflow_base::Value;
 use granflow_linsolve::{SolveError, Solved};

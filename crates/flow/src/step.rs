@@ -30,6 +30,8 @@ pub struct Flow {
     pub two_phase: Option<Box<crate::TwoPhase>>,
     /// Set from outside: a step that is under way is given up before its next outer pass.
     pub stop: Option<Arc<AtomicBool>>,
+    /// Hears of every outer pass.
+    pub watch: Option<crate::Watch>,
     pub(crate) level_fixed: bool,
     pub(crate) work: Work,
 }
@@ -52,7 +54,7 @@ impl Flow {
         let mut any = fixed;
         exec.comm().max(&mut any);
         let level_fixed = any[0] > 0.0;
-        let (stop, two_phase) = (None, None);
+        let (stop, watch, two_phase) = (None, None, None);
         let mut flow = Flow {
             exec,
             mesh,
@@ -62,6 +64,7 @@ impl Flow {
             numerics,
             two_phase,
             stop,
+            watch,
             level_fixed,
             work,
         };
@@ -140,6 +143,9 @@ impl Flow {
             };
             self.check_residuals(&report.residuals)?;
             self.work.residuals = report.residuals;
+            if let Some(crate::Watch(watch)) = &self.watch {
+                watch(k, &report.residuals);
+            }
             report.converged = k > 0 && settled && report.residuals.within(&self.numerics.control);
             if report.converged || k == outer {
                 break;

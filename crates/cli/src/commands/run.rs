@@ -50,6 +50,8 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
             session.notices.say(format!("{path} of an interrupted run was restored"));
         }
     }
+    let mut progress = Progress::new(&session.out);
+    options.watch = progress.watch(&session.out);
     let mut run = Run::start(case, &options, &session.sink)?;
     if let Some(old) = run.set_aside() {
         session.notices.say(set_aside(old));
@@ -59,7 +61,6 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
 
     let begin = Instant::now();
     let mut tally = Tally::new(run.case());
-    let mut progress = Progress::new(&session.out);
     let end = loop {
         match run.advance() {
             Ok(Event::Step(event)) => {
