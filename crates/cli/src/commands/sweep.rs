@@ -74,10 +74,9 @@ fn told(row: &Row) -> Vec<String> {
     words.extend(row.results.iter().map(|r| r.as_ref().map_or("-".into(), |v| rounded(*v, 6))));
     words.push(row.solution.passes.to_string());
     let s = &row.solution;
-    words.push(match (s.stopped, s.found(), s.steady, s.failure.is_some()) {
-        (true, ..) => "stopped".into(),
-        (_, true, true, _) => "steady".into(),
-        (_, true, false, _) => "end time".into(),
+    words.push(match (s.found(), s.steady, s.failure.is_some()) {
+        (true, true, _) => "steady".into(),
+        (true, false, _) => "end time".into(),
         (.., true) => "no solution".into(),
         _ => "not converged".into(),
     });
