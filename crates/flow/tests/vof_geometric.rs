@@ -335,8 +335,10 @@ fn tables_of_the_sphere() {
 }
 
 #[test]
-#[ignore = "10 minutes"]
+#[ignore = "half an hour"]
 fn sphere_at_128() {
-    let (run, e) = sphere_in_vortex(team(2), 128, &by(Reconstruct::PlicRdf), 12 * 128);
-    println!("{}", run.line("sphere 128", e));
+    for r in [Reconstruct::IsoAlpha, Reconstruct::PlicRdf] {
+        let (run, e) = sphere_in_vortex(Exec::serial(), 128, &by(r), 12 * 128);
+        println!("{}", run.line(&format!("sphere 128, {r:?}"), e));
+    }
 }
