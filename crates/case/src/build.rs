@@ -7,7 +7,7 @@ use crate::collect::{own_cells, own_fluxes, tidy};
 use crate::config::GradientKind;
 use granflow_base::{Dims, Vec3};
 use granflow_flow::vof::Vof;
-use granflow_flow::{Flow, Fluid, Numerics, Solve, State, TwoPhase, TwoPhaseParts};
+use granflow_flow::{Flow, Fluid, Numerics, Solve, Source, State, TwoPhase, TwoPhaseParts, Zone};
 use granflow_fv::{FaceField, Gradient, LeastSquares, Surroundings, Unknown, operators};
 use granflow_linsolve::{LinearSolver, build as solver, gamg};
 use granflow_mesh::Mesh;
@@ -25,6 +25,8 @@ pub(crate) struct Start {
     pub(crate) p: Vec<f64>,
     pub(crate) phi: Option<Vec<f64>>,
     pub(crate) phi_old: Option<Vec<f64>>,
+    /// Pressure gradients that hold mean velocities, as in the files; those of the case if none.
+    pub(crate) gradients: Option<Vec<f64>>,
     pub(crate) fluidity: Option<Vec<f64>>,
     pub(crate) alpha: Option<Vec<f64>>,
 }
@@ -41,6 +43,7 @@ impl Start {
             u_old: s.u_old.as_ref().map(|u| own_cells(mesh, u)),
             p: own_cells(mesh, &s.p.cells),
             phi: s.phi.as_ref().map(|phi| own_fluxes(mesh, phi)),
+            gradients: None,
             phi_old: s.phi_old.as_ref().map(|phi| own_fluxes(mesh, phi)),
             fluidity: s.has_fluidity.then(|| own_cells(mesh, &s.fluidity.cells)),
             alpha: s.alpha.as_ref().map(|a| own_cells(mesh, &a.cells)),
@@ -51,7 +54,7 @@ impl Start {
     pub(crate) fn of_flow(case: &Case, flow: &Flow) -> Start {
         let (s, n) = (&flow.state, flow.mesh.n_cells);
         let k = case.pressure_factor();
-        let backward = flow.numerics.ddt == granflow_flow::TimeScheme::Backward;
+        let backward = flow.numerics.ddt.remembers_two();
         let fluxes = |phi: &[f64]| phi.iter().map(|phi| tidy(*phi)).collect::<Vec<_>>();
         let tidied = |v: &[Vec3]| v[..n].iter().map(|v| tidy(*v)).collect::<Vec<_>>();
         Start {
@@ -63,6 +66,7 @@ impl Start {
             p: s.p.cells.data[..n].iter().map(|p| tidy(p / k)).collect(),
             phi: Some(fluxes(&s.phi.data)),
             phi_old: backward.then(|| fluxes(&s.phi_old)),
+            gradients: Some(case.gradients_of(&flow.mean_gradients())),
             fluidity: flow
                 .fluid
                 .rheology
@@ -75,6 +79,34 @@ impl Start {
 
 fn tidied_scalars(v: &[f64]) -> Vec<f64> {
     v.iter().map(|x| tidy(*x)).collect()
+}
+
+/// The sources of the case on the cells of one rank.
+fn sources(case: &Case, mesh: &Mesh, gradients: Option<Vec<f64>>) -> Vec<Source> {
+    let mut sources = case.sources.clone();
+    let mut here = std::collections::HashMap::new();
+    if !sources.is_empty() {
+        here = (0..mesh.n_cells).map(|c| (mesh.global_cell[c], c as u32)).collect();
+    }
+    let mut kept = gradients.into_iter().flatten();
+    for source in &mut sources {
+        let zone = match source {
+            Source::SemiImplicit(s) => &mut s.zone,
+            Source::Porous(s) => &mut s.zone,
+            Source::MeanVelocity(s) => {
+                if let Some(g) = kept.next() {
+                    s.gradient = g * case.config.acceleration_to_force();
+                }
+                &mut s.zone
+            }
+        };
+        if let Zone::Cells(cells) = zone {
+            let mut own: Vec<u32> = cells.iter().filter_map(|c| here.get(c).copied()).collect();
+            own.sort_unstable();
+            *cells = own;
+        }
+    }
+    sources
 }
 
 /// A solver that the configuration has checked.
@@ -142,6 +174,7 @@ pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Fl
         ddt: config.schemes.ddt,
         convection: config.schemes.convection,
         gradient,
+        limiter: config.schemes.limiter,
         non_orthogonal: config.schemes.non_orthogonal,
         outer: sol.outer,
         correctors: sol.correctors,
@@ -157,7 +190,9 @@ pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Fl
     let (time, step, dt_old) = (start.time, start.step, start.dt_old);
     let (alpha, second) = second_phase(case, &exec, &mesh, &p, start.alpha);
     let state = State { time, step, u, u_old, dt_old, p, phi, phi_old, alpha };
-    let flow = Flow::new(exec, mesh, state, Fluid { rho, rheology }, case.gravity, numerics);
+    let sources = sources(case, &mesh, start.gradients);
+    let mut flow = Flow::new(exec, mesh, state, Fluid { rho, rheology }, case.gravity, numerics);
+    flow.sources = sources;
     match second {
         Some(second) => flow.with_second_fluid(second),
         None => flow,

@@ -1,11 +1,13 @@
 //! A case, read and checked.
 
+use crate::collect::tidy;
 use crate::config::{ReferenceCell, StartFrom};
 use crate::restart::{WholeState, start_dir};
-use crate::{CaseConfig, CaseError, Notices, WaveTable, figures, meshing, set_fields};
-use granflow_base::{Tensor, Vec3, dot, norm, scale, sub, unit};
-use granflow_dict::{Diag, Sink, number};
-use granflow_flow::Gravity;
+use crate::{CaseConfig, CaseError, Notices, WaveTable, Zones, config, figures, files};
+use crate::{meshing, set_fields};
+use granflow_base::{Dims, Tensor, Vec3, dot, norm, scale, sub, unit};
+use granflow_dict::{Diag, Reader, Sink, number};
+use granflow_flow::{Gravity, Source};
 use granflow_mesh::{Mesh, PolyMesh};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -71,6 +73,8 @@ pub struct Case {
     pub start: WholeState,
     /// Fields that setFieldsDict or setAlphaFieldDict changed, which are not so on the disk.
     pub fields_set: Vec<String>,
+    /// Forces on the bulk beside gravity, their cells in the user's numbering.
+    pub sources: Vec<Source>,
     /// Waves at its patches.
     pub waves: WaveTable,
     /// Gravity, split into what p_rgh absorbs and what drives the flow along cyclic directions.
@@ -127,6 +131,7 @@ impl Case {
         }
         let whole = config.gravity.unwrap_or_default();
         let waves = WaveTable::read(root, &start, whole, (&poly, &mesh), sink)?;
+        let sources = read_sources(root, &dir, &config, (&poly, &mesh), sink)?;
         let end = options.until.unwrap_or(config.control.end);
         need_time_ahead(&config, options, &start, end, sink);
         let mut case = Case {
@@ -137,6 +142,7 @@ impl Case {
             mesh_made: loaded.made,
             start,
             fields_set,
+            sources,
             waves,
             gravity,
             reference: None,
@@ -153,6 +159,11 @@ impl Case {
     /// Pressure inside over pressure in the files: the density where those are kinematic.
     pub fn pressure_factor(&self) -> f64 {
         if self.start.kinematic() { self.config.transport.rho } else { 1.0 }
+    }
+
+    /// Pressure gradients that hold mean velocities, as they stand in files.
+    pub(crate) fn gradients_of(&self, flow: &[f64]) -> Vec<f64> {
+        flow.iter().map(|g| tidy(g / self.config.acceleration_to_force())).collect()
     }
 
     /// What conditions are made for: the patches and their waves.
@@ -255,6 +266,29 @@ fn need_time_ahead(
                 .help("set a later endTime or --until, or an earlier startTime or --from")
         }
     });
+}
+
+/// The sources of a case as they are at the time directory `dir`.
+fn read_sources(
+    root: &Path,
+    dir: &str,
+    config: &CaseConfig,
+    (poly, mesh): (&PolyMesh, &Mesh),
+    sink: &Sink,
+) -> Result<Vec<Source>, CaseError> {
+    let zones = Zones::read(root, poly, mesh, sink)?;
+    let mut sources =
+        config::sources::read(root, mesh, &zones, config.acceleration_to_force(), sink)?;
+    for source in &mut sources {
+        let Source::MeanVelocity(m) = source else { continue };
+        let file = format!("{dir}/uniform/{}Properties", m.name);
+        if let Some(dict) = files::dict(root, file, sink)? {
+            let r = Reader::new(&dict, sink);
+            let kept = r.opt_scalar("gradient", Dims::NONE, 0.0);
+            m.gradient = kept * config.acceleration_to_force();
+        }
+    }
+    Ok(sources)
 }
 
 /// Splits gravity: p_rgh is periodic, so what acts along a cyclic direction is a body force.

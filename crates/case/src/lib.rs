@@ -31,6 +31,7 @@ mod superseded;
 mod tensile;
 mod waves;
 mod worker;
+mod zones;
 
 pub use case::{Case, From, Options};
 pub use config::CaseConfig;
@@ -40,3 +41,4 @@ pub use run::{End, Event, Run, StepEvent};
 pub use superseded::{SUPERSEDED, SetAside};
 pub use tensile::Tensile;
 pub use waves::WaveTable;
+pub use zones::Zones;

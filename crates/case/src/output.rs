@@ -8,7 +8,8 @@ use crate::store::{Operation, StoreError, TimeWriter, write_atomic, write_whole}
 use crate::worker::Sheets;
 use crate::{Case, CaseError};
 use granflow_base::{Dims, dot};
-use granflow_dict::Dict;
+use granflow_dict::{Dict, Format, Header, Writer, number};
+use granflow_flow::Source;
 use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
 use std::io::Write;
@@ -134,6 +135,17 @@ pub(crate) fn write_time(
         }
     }
     dir.file_plain("uniform/time", &clock.text(name))?;
+    let held = case.sources.iter().filter_map(|s| match s {
+        Source::MeanVelocity(m) => Some(&m.name),
+        _ => None,
+    });
+    for (source, gradient) in held.zip(&s.gradients) {
+        let file = format!("{source}Properties");
+        let header = Header::new("dictionary", &file).location(format!("{name}/uniform"));
+        let mut w = Writer::new(&header.format(Format::Ascii));
+        w.entry("gradient", number(*gradient));
+        dir.file_plain(format!("uniform/{file}"), &w.finish())?;
+    }
     for (file, text) in case.waves.sheets(&case.poly, name) {
         dir.file_plain(format!("uniform/{file}"), &text)?;
     }

@@ -131,7 +131,7 @@ impl WholeState {
             sink.push(Diag::file(path, "the fluidity is negative somewhere"));
         }
         let phi = read_surface(root, dir, "phi", Dims::VOLUME_FLUX, poly, sink)?;
-        let backward = config.schemes.ddt == granflow_flow::TimeScheme::Backward;
+        let backward = config.schemes.ddt.remembers_two();
         let u_old = match read_vol::<Vec3>(root, dir, "U_0", &[Dims::VELOCITY], poly, sink)? {
             Some(f) if backward => Some(f.cells),
             _ => None,

@@ -215,6 +215,11 @@ fn set_regions(r: &Reader<'_>, target: &mut Target<'_>, notices: &Notices) {
     r.finish(Severity::Warning);
 }
 
+/// Names of all kinds of region.
+pub(crate) fn region_names() -> impl Iterator<Item = &'static str> {
+    REGIONS.iter().map(|r| r.0)
+}
+
 type Inside = Box<dyn Fn(Vec3) -> bool>;
 /// A kind of region: its name, and how it is read.
 type Region = (&'static str, fn(&Reader<'_>) -> Inside);
@@ -223,7 +228,8 @@ type Region = (&'static str, fn(&Reader<'_>) -> Inside);
 const REGIONS: &[Region] =
     &[("boxToCell", in_box), ("sphereToCell", in_sphere), ("cylinderToCell", in_cylinder)];
 
-fn cells_of(kind: &str, r: &Reader<'_>, mesh: &Mesh) -> Option<Vec<usize>> {
+/// The cells whose centres a region holds, in the numbering of `mesh`; none for an unknown kind.
+pub(crate) fn cells_of(kind: &str, r: &Reader<'_>, mesh: &Mesh) -> Option<Vec<usize>> {
     let (_, read) = REGIONS.iter().find(|k| k.0 == kind)?;
     let inside = read(r);
     Some((0..mesh.n_cells).filter(|&c| inside(mesh.cell_centre[c])).collect())

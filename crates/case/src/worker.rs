@@ -86,6 +86,8 @@ pub(crate) struct Sheets {
     pub(crate) p_faces: Vec<f64>,
     pub(crate) phi: Vec<f64>,
     pub(crate) phi_old: Option<Vec<f64>>,
+    /// Pressure gradients that hold mean velocities, as in the files.
+    pub(crate) gradients: Vec<f64>,
     pub(crate) fluidity: Option<Vec<f64>>,
     pub(crate) alpha: Option<Vec<f64>>,
     /// Of alpha, zero where there is none.
@@ -308,7 +310,7 @@ impl Worker {
             let boundary = alpha_faces.iter_mut().enumerate().skip(mesh.n_inner);
             boundary.for_each(|(f, a)| *a = alpha.boundary_value(mesh, f));
         }
-        let backward = flow.numerics.ddt == granflow_flow::TimeScheme::Backward;
+        let backward = flow.numerics.ddt.remembers_two();
         let d = &self.derived;
         let (rho, g) = (flow.density(), flow.gravity.hydrostatic);
         let of = |c: usize| s.p.cells.data[c] + rho[c] * dot(g, mesh.cell_centre[c]);
@@ -321,6 +323,7 @@ impl Worker {
             p_faces: c.faces(exec, &p_faces, false).unwrap_or_default(),
             phi: c.faces(exec, &s.phi.data, true).unwrap_or_default(),
             phi_old: if backward { c.faces(exec, &s.phi_old, true) } else { None },
+            gradients: self.case.gradients_of(&flow.mean_gradients()),
             fluidity: flow.fluid.rheology.field().and_then(|g| whole(&g.data)),
             alpha: s.alpha.as_ref().and_then(|a| whole(&a.cells.data)),
             alpha_faces: c.faces(exec, &alpha_faces, false).unwrap_or_default(),

@@ -81,7 +81,7 @@ impl Flow {
     pub fn step(&mut self, dt: f64) -> Result<Report, StepError> {
         match self.numerics.ddt {
             TimeScheme::Steady => self.find_steady_state(dt),
-            TimeScheme::Euler | TimeScheme::Backward => self.try_step(dt),
+            _ => self.try_step(dt),
         }
     }
 

@@ -7,6 +7,7 @@
 //! Heat Transfer B 52 (2007) 507). Open boundaries are faces like others: `u_f` is there what the
 //! condition makes of the cell's velocity.
 
+use crate::time::inertia;
 use crate::work::Work;
 use crate::{Flow, Numerics, State, TwoPhase};
 use granflow_base::{Tensor, Value, Vec3, dot};
@@ -168,7 +169,7 @@ impl Flow {
         } else {
             operators::to_faces(exec, mesh, &w.r_at.data, &mut w.r_at_f);
         }
-        let (r_a, rho) = (&w.r_a.data, &w.rho.data);
+        let (r_a, rho) = (&w.r_a.data, &inertia(&w.rho, &w.local).data);
         exec.for_each(&mut w.r_a_f.data, |first, out| {
             let inertia = |c: u32| rho[c as usize] * c0 / dt;
             let steady = |c: u32| {
@@ -257,7 +258,11 @@ impl Flow {
     /// What the old fluxes are ahead of the flux of the old velocities, weighted as the time scheme
     /// does, into `work.ahead`. Called at the old time, with the state as a restart has it.
     pub(crate) fn remember_flux(&mut self, dt: f64) {
-        let c = self.ddt_coefficients(dt);
+        let mut c = self.ddt_coefficients(dt);
+        if self.two_phase.is_some() {
+            // The older velocity stands for an older momentum.
+            c = [c[0], c[0], 0.0];
+        }
         self.update_conditions();
         let Flow { exec, mesh, state, numerics, work: w, .. } = self;
         let Work { ahead, phi_star: plain, grad_u, flux_weights, .. } = w;
@@ -305,7 +310,10 @@ impl Flow {
     fn add_memory(&mut self, dt: f64, of: impl Fn(&mut Flow) -> &mut FaceField<f64>) {
         let mut phi = std::mem::take(&mut of(self).data);
         let mesh = &self.mesh;
-        let rho = self.two_phase.as_ref().map_or(&self.work.rho.data, |t| &t.work.rho_old.data);
+        let rho = self
+            .two_phase
+            .as_ref()
+            .map_or(&inertia(&self.work.rho, &self.work.local).data, |t| &t.work.rho_old.data);
         let (r_a_f, ahead) = (&self.work.r_a_f.data, &self.work.ahead.data);
         self.exec.for_each(&mut phi, |first, out| {
             for (i, phi) in out.iter_mut().enumerate() {

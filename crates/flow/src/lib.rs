@@ -15,9 +15,11 @@ mod momentum;
 mod newton;
 mod predictor;
 mod pressure;
+mod sources;
 mod state;
 mod steady;
 mod step;
+mod time;
 mod two_phase;
 mod viscosity;
 pub mod vof;
@@ -25,9 +27,10 @@ mod watch;
 mod work;
 
 pub use anderson::{Anderson, Limit};
+pub use sources::{MeanVelocity, Porous, SemiImplicit, Source, Zone};
 pub use state::{
-    Fluid, Gravity, Numerics, Report, ResidualControl, Residuals, Solve, SolveCount, State,
-    StepError, TimeScheme,
+    Fluid, Gravity, LocalSteps, Numerics, Report, ResidualControl, Residuals, Solve, SolveCount,
+    State, StepError, TimeScheme,
 };
 pub use step::{Derived, Flow};
 pub use two_phase::{Mixing, Pores, Prescribed, TwoPhase, TwoPhaseParts};

@@ -6,10 +6,11 @@
 //! where momentum and continuity are solved together.
 
 use crate::interpolation::Slopes;
+use crate::time;
 use crate::{Flow, StepError, TimeScheme};
 use granflow_base::{Value, Vec3};
 use granflow_fv::{
-    Convection, Ddt, ddt, defer_to_upwind, div, div_explicit, laplacian, operators, source,
+    Convection, Ddt, ddt, defer_to_upwind, div, div_explicit, laplacian, operators, source, sp,
 };
 use granflow_mesh::Mesh;
 
@@ -30,6 +31,10 @@ impl Flow {
                 let r = dt / self.state.dt_old;
                 [1.0 + r / (1.0 + r), 1.0 + r, r * r / (1.0 + r)]
             }
+            TimeScheme::CrankNicolson(psi) if self.state.dt_old > 0.0 => {
+                let r = dt / self.state.dt_old;
+                [1.0 + psi, 1.0 + psi + psi * r, psi * r]
+            }
             _ => [1.0, 1.0, 0.0],
         }
     }
@@ -39,13 +44,19 @@ impl Flow {
     pub(crate) fn assemble_momentum(&mut self, dt: f64) -> Result<(), StepError> {
         let c = self.ddt_coefficients(dt);
         self.explicit_momentum_flux();
+        self.apply_sources();
+        let sinks = self.has_sources();
         let Flow { exec, mesh, state, numerics, work: w, two_phase, .. } = self;
-        let rho_old = two_phase.as_ref().map_or(&w.rho, |t| &t.work.rho_old);
-        let inertia = Ddt { rho: &w.rho, rho_old, old: &w.u_start, older: &state.u_old, dt, c };
-        let momentum = ddt(inertia) + div(&w.rho_phi, &w.weights)
+        let rho = time::inertia(&w.rho, &w.local);
+        let rho_old = two_phase.as_ref().map_or(rho, |t| &t.work.rho_old);
+        let inertia = Ddt { rho, rho_old, old: &w.u_start, older: &state.u_old, dt, c };
+        let mut momentum = ddt(inertia) + div(&w.rho_phi, &w.weights)
             - laplacian(&w.eta_f)
             - div_explicit(&w.explicit)
             - source(&w.body);
+        if sinks {
+            momentum = momentum + sp(&w.sink);
+        }
         w.u_eqn.assemble(exec, mesh, &state.u, &momentum)?;
         let two = two_phase.as_deref_mut();
         w.slopes_of_pressure(exec, mesh, numerics, two, Slopes::Of(&state.p));
@@ -66,9 +77,9 @@ impl Flow {
     pub(crate) fn defers_convection(&self) -> bool {
         self.is_coupled()
             && match self.numerics.convection {
-                Convection::Limited(_) => true,
+                Convection::Limited(_) | Convection::Mixed(_) => true,
                 Convection::Linear => self.work.coupled.defer,
-                Convection::Upwind | Convection::LinearUpwind => false,
+                Convection::Upwind | Convection::LinearUpwind | Convection::LinearUpwindV => false,
             }
     }
 
@@ -109,11 +120,12 @@ impl Flow {
             );
             add_faces(exec, mesh.n_faces(), 1.0, &w.scratch_f.data, &mut w.explicit.data);
         }
+        w.limit_gradient(exec, mesh, numerics, &state.u);
         numerics.convection.weigh(
             exec,
             mesh,
             &state.u,
-            &w.grad_u,
+            w.limited.as_deref().unwrap_or(&w.grad_u),
             &w.rho_phi.data,
             &mut w.weights,
             &mut w.scratch_f,

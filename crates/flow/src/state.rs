@@ -2,7 +2,7 @@
 
 use crate::vof::{VofError, VofReport};
 use granflow_base::Vec3;
-use granflow_fv::{Convection, FaceField, Gradient, Unknown};
+use granflow_fv::{Convection, FaceField, Gradient, GradientLimiter, Unknown};
 use granflow_linsolve::{LinearSolver, SolveError, Solved, Tolerance};
 use granflow_physics::rheology::Beyond;
 use granflow_physics::{Rheology, RheologyError, RheologyInfo};
@@ -18,7 +18,8 @@ pub struct State {
     pub step: usize,
     /// Velocity, m/s.
     pub u: Unknown<Vec3>,
-    /// Velocity one step earlier (backward differences), m/s.
+    /// Velocity one step earlier (backward differences), or what the Crank-Nicolson scheme puts in
+    /// its place, m/s.
     pub u_old: Vec<Vec3>,
     /// Length of the last step, s; 0 before the first.
     pub dt_old: f64,
@@ -26,7 +27,7 @@ pub struct State {
     pub p: Unknown<f64>,
     /// Volume flux through the faces, m3/s.
     pub phi: FaceField<f64>,
-    /// Volume flux one step earlier (backward differences), m3/s.
+    /// The same of the volume flux, m3/s.
     pub phi_old: Vec<f64>,
     /// Volume fraction of fluid 1 where there are two.
     pub alpha: Option<Unknown<f64>>,
@@ -50,14 +51,37 @@ pub struct Gravity {
 }
 
 /// Time scheme.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeScheme {
     /// Implicit Euler, first order.
     Euler,
     /// Backward differences over two steps (Gear 1971), second order.
     Backward,
+    /// J. Crank, P. Nicolson, Math. Proc. Camb. Phil. Soc. 43 (1947) 50; the number is OpenFOAM's:
+    /// 1 is the trapezoidal rule, second order, 0 is Euler.
+    CrankNicolson(f64),
+    /// Euler with a step of its own for every cell, towards a steady state.
+    Local(LocalSteps),
     /// No time derivative: a step finds the steady state of the conditions at its end.
     Steady,
+}
+
+/// Steps of their own for every cell (`localEuler`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocalSteps {
+    /// Courant number of each cell's step.
+    pub courant: f64,
+    /// The longest, s.
+    pub longest: f64,
+    /// A step exceeds that of a neighbour by at most this share.
+    pub growth: f64,
+}
+
+impl TimeScheme {
+    /// Whether a step needs the velocity and flux of the step before the last.
+    pub fn remembers_two(self) -> bool {
+        matches!(self, TimeScheme::Backward | TimeScheme::CrankNicolson(_))
+    }
 }
 
 /// A system's solver with its tolerances. These end the solves of a single pass (PISO); where momentum
@@ -96,6 +120,9 @@ pub struct Numerics {
     pub convection: Convection,
     /// Cell gradients.
     pub gradient: Gradient,
+    /// Limiter of the gradient that convection extrapolates with; pressure and stress have theirs
+    /// whole.
+    pub limiter: Option<GradientLimiter>,
     /// Non-orthogonal correction: 1 corrected, 0.5 limited, 0 none.
     pub non_orthogonal: f64,
     /// Most outer iterations of a step.

@@ -43,7 +43,7 @@ impl Flow {
     pub(crate) fn inertial_step(&self, clock: f64) -> f64 {
         match self.numerics.ddt {
             TimeScheme::Steady => self.work.pseudo_step.unwrap_or(FOREVER),
-            TimeScheme::Euler | TimeScheme::Backward => clock,
+            _ => clock,
         }
     }
 
@@ -107,7 +107,7 @@ impl Flow {
         let of = |f: &Flow| (f.state.u.closure.clone(), f.state.p.closure.clone());
         let (now, here) = (self.state.time, of(self));
         let left = ((end - now) / dt + 0.5).floor().max(0.0);
-        if left > MOST_LOOKED_AT {
+        if left > MOST_LOOKED_AT || !self.sources_stay(end) {
             // Nobody looks so far ahead: they may change.
             return false;
         }

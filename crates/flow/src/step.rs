@@ -28,6 +28,8 @@ pub struct Flow {
     pub numerics: Numerics,
     /// The second fluid, where there are two.
     pub two_phase: Option<Box<crate::TwoPhase>>,
+    /// Forces on the bulk beside gravity.
+    pub sources: Vec<crate::Source>,
     /// Set from outside: a step that is under way is given up before its next outer pass.
     pub stop: Option<Arc<AtomicBool>>,
     /// Hears of every outer pass.
@@ -63,6 +65,7 @@ impl Flow {
             gravity,
             numerics,
             two_phase,
+            sources: Vec::new(),
             stop,
             watch,
             level_fixed,
@@ -93,6 +96,7 @@ impl Flow {
             self.assemble_momentum(dt)?;
             report.outer = 1;
             self.correct(dt, 1.0, true, &mut report)?;
+            self.move_to_mean_velocity();
             report.converged = true;
             report.residuals.u = report.u.map_or(0.0, |(first, _)| first.first);
             report.residuals.p = self.continuity_residual();
@@ -116,6 +120,7 @@ impl Flow {
     /// state are small, or there is no hope. The viscosity has been recalled.
     pub(crate) fn iterate(&mut self, dt: f64, report: &mut Report) -> Result<(), StepError> {
         self.work.anderson.reset();
+        self.guess_mean_gradient(dt);
         let constant = self.fluid.rheology.is_constant();
         let outer = self.numerics.outer.max(1);
         report.coupled = true;
@@ -141,6 +146,10 @@ impl Flow {
             } else {
                 self.measure(dt, constant, k == outer, report)?
             };
+            if k > 0 && self.answer_mean_velocity(dt, &report.residuals) {
+                self.assemble_momentum(dt)?;
+                report.residuals.u = self.momentum_residual();
+            }
             self.check_residuals(&report.residuals)?;
             self.work.residuals = report.residuals;
             if let Some(crate::Watch(watch)) = &self.watch {
@@ -332,6 +341,8 @@ impl Flow {
     pub(crate) fn begin_step(&mut self, dt: f64) {
         self.work.friction.forget();
         self.remember_flux(self.inertial_step(dt));
+        self.set_local_steps(dt);
+        self.begin_sources();
         let Flow { state, work: w, fluid, two_phase, .. } = self;
         w.u_start.copy_from_slice(&state.u.cells.data);
         w.p_start.copy_from_slice(&state.p.cells.data);
@@ -350,11 +361,12 @@ impl Flow {
         state.time += dt;
         state.step += 1;
         self.update_conditions();
+        self.start_at_mean_velocity();
     }
 
     pub(crate) fn end_step(&mut self, dt: f64, report: &mut Report) -> Result<(), StepError> {
         self.check_finite()?;
-        let Flow { exec, mesh, state, work: w, .. } = self;
+        let Flow { exec, mesh, state, numerics, work: w, .. } = &mut *self;
         let (u, old) = (&state.u.cells.data, &w.u_start);
         let [change, most] =
             max2(exec, mesh.n_cells, |c| [norm(granflow_base::sub(u[c], old[c])), norm(u[c])]);
@@ -367,19 +379,19 @@ impl Flow {
         let [crossed, volume] =
             exec.sums(n, |r| r.map(of).fold([0.0; 2], |[a, b], [x, y]| [a + x, b + y]));
         let greatest = exec.max(n, |r| r.map(|c| crossing(c) / mesh.volume[c]).fold(0.0, f64::max));
-        if self.numerics.ddt != TimeScheme::Steady {
+        if numerics.ddt != TimeScheme::Steady {
             report.courant = [crossed / volume, greatest];
         }
         report.solves = w.solves;
-        state.u_old.copy_from_slice(&w.u_start);
-        state.phi_old.copy_from_slice(&w.phi_start);
-        state.dt_old = dt;
-        w.fresh = true;
+        self.remember_old(dt);
+        self.state.dt_old = dt;
+        self.work.fresh = true;
         Ok(())
     }
 
     /// Restores the state before the step that failed.
     pub fn rollback(&mut self) {
+        self.rollback_sources();
         let Flow { state, work: w, fluid, two_phase, .. } = self;
         (state.time, state.step) = w.clock_start;
         w.fresh = false;

@@ -45,6 +45,10 @@ pub(crate) struct Work {
     pub(crate) scratch_f: FaceField<Vec3>,
     pub(crate) weights: FaceField<f64>,
     pub(crate) grad_u: Vec<Tensor>,
+    /// The same, limited, where convection extrapolates with that.
+    pub(crate) limited: Option<Vec<Tensor>>,
+    /// Density over a cell's own step, times the step, where cells have steps of their own; scratch.
+    pub(crate) local: crate::time::Local,
     pub(crate) grad_p: Vec<Vec3>,
     /// Normal derivative of the pressure on faces.
     pub(crate) dp_dn: Vec<f64>,
@@ -57,6 +61,8 @@ pub(crate) struct Work {
     pub(crate) tau: Vec<f64>,
     pub(crate) pressure: Vec<f64>,
     pub(crate) body: CellField<Vec3>,
+    /// Drag of sources per volume and velocity, kg/(m3 s); zero where there are none.
+    pub(crate) sink: CellField<f64>,
     pub(crate) b: Vec<Vec3>,
     pub(crate) residual: Vec<Vec3>,
     pub(crate) hby_a: Vec<Vec3>,
@@ -113,6 +119,8 @@ impl Work {
             u_start: vec![[0.0; 3]; cells],
             p_start: vec![0.0; cells],
             clock_start: (0.0, 0),
+            limited: None,
+            local: None,
             pseudo_step: None,
             solves: Default::default(),
             beyond: None,
@@ -135,6 +143,7 @@ impl Work {
             strain_rate: vec![0.0; cells],
             tau: vec![0.0; cells],
             pressure: vec![0.0; cells],
+            sink: CellField::new(m, "sink", Dims::DENSITY.div(Dims::TIME), 0.0),
             body: CellField::new(m, "rhoG", Dims::DENSITY.mul(Dims::ACCELERATION), force),
             b: vec![[0.0; 3]; m.n_cells],
             residual: vec![[0.0; 3]; m.n_cells],

@@ -56,6 +56,12 @@ limiters! {
     Muscl = "MUSCL" => |_k, r| (2.0 * r).min(0.5 * r + 0.5).clamp(0.0, 2.0);
     /// QUICK (Leonard 1979) kept within the bounds of total variation diminishing schemes.
     Quick = "QUICK" => |_k, r| (2.0 * r).min(0.25 * r + 0.75).clamp(0.0, 2.0);
+    /// Waterson & Deconinck (1995).
+    Ospre = "OSPRE" => |_k, r| if r <= 0.0 { 0.0 } else { 1.5 * r * (r + 1.0) / (r * (r + 1.0) + 1.0) };
+    /// Lien & Leschziner (1994).
+    Umist = "UMIST" => |_k, r| (2.0 * r).min(0.75 * r + 0.25).min(0.25 * r + 0.75).clamp(0.0, 2.0);
+    /// Jasak, Weller & Gosman (1999): central where the normalised value is above half of k.
+    Gamma = "Gamma" => |k, r| if r <= 0.0 { 0.0 } else { (2.0 * r / (k.max(1e-10) * (1.0 + r))).min(1.0) };
 }
 
 #[cfg(test)]

@@ -6,8 +6,6 @@ use std::path::Path;
 
 /// Files whose mere content would change the physics.
 const SOURCES: &[(&str, &str)] = &[
-    ("constant/fvOptions", "source terms (fvOptions)"),
-    ("system/fvOptions", "source terms (fvOptions)"),
     ("constant/fvModels", "source terms (fvModels)"),
     ("system/fvModels", "source terms (fvModels)"),
     ("constant/fvConstraints", "constraints (fvConstraints)"),

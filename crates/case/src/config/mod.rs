@@ -7,11 +7,12 @@ mod control;
 mod forbidden;
 mod schemes;
 mod solution;
+pub(crate) mod sources;
 mod transport;
 mod vof;
 
 pub use control::{APPLICATIONS, Adjust, Control, StartFrom, WriteControl};
-pub use schemes::{GradientKind, Schemes};
+pub use schemes::{GradientKind, PLAIN, Schemes};
 pub use solution::{LinearSolve, Reference, ReferenceCell, Solution};
 pub use transport::{SecondPhase, Transport};
 
@@ -20,6 +21,7 @@ use crate::functions::Planned;
 use crate::{CaseError, Notices, files};
 use granflow_base::{Dims, Vec3};
 use granflow_dict::{Diag, Dict, Reader, Severity, Sink};
+use granflow_flow::TimeScheme;
 use std::path::Path;
 
 /// A case's dictionaries as plain data.
@@ -68,7 +70,7 @@ impl CaseConfig {
         let control = Control::read(&reader, absent);
         let functions = crate::functions::read(&reader);
         reader.finish(Severity::Warning);
-        let schemes = match files::dict(root, "system/fvSchemes", sink)? {
+        let mut schemes = match files::dict(root, "system/fvSchemes", sink)? {
             Some(d) => {
                 let kind = (transport.second.is_some(), transport.grains.is_some());
                 Schemes::read(&d, kind, sink, notices)
@@ -85,17 +87,26 @@ impl CaseConfig {
             Kind {
                 varies: two.is_none() && transport.model != "Newtonian",
                 granular: transport.grains.is_some(),
-                steady: schemes.ddt == granflow_flow::TimeScheme::Steady,
+                steady: schemes.ddt == TimeScheme::Steady,
+                local: matches!(schemes.ddt, TimeScheme::Local(_)),
             },
             sink,
             notices,
         );
+        if let TimeScheme::Local(steps) = &mut schemes.ddt {
+            *steps = solution.local;
+        }
         let vof = two.map(|two| {
             let geometric = control.application == "interIsoFoam";
             let (alpha, scheme) = (two.alpha(), schemes.alpha);
             vof::read(&solution_dict, &alpha, geometric, scheme, sink, notices)
         });
         Ok(CaseConfig { control, schemes, solution, transport, gravity, functions, vof })
+    }
+
+    /// What makes a force per volume of what `fvOptions` gives: with one fluid that is per density.
+    pub fn acceleration_to_force(&self) -> f64 {
+        if self.transport.second.is_some() { 1.0 } else { self.transport.rho }
     }
 
     /// The pressure that is solved for: `p_rgh` where gravity acts or two phases meet, else `p`.

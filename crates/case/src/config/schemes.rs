@@ -4,8 +4,8 @@
 
 use crate::Notices;
 use granflow_dict::{Dict, Reader, Severity, Sink, TokenReader, nearest};
-use granflow_flow::TimeScheme;
-use granflow_fv::{Convection, LimiterKind};
+use granflow_flow::{LocalSteps, TimeScheme};
+use granflow_fv::{Convection, GradientLimiter, LimiterKind, Shares};
 
 /// How gradients are computed; the mesh makes an operator of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +23,8 @@ pub struct Schemes {
     pub ddt: TimeScheme,
     /// `gradSchemes`.
     pub gradient: GradientKind,
+    /// Limiter of `grad(U)` where convection extrapolates with it.
+    pub limiter: Option<GradientLimiter>,
     /// `div(phi,U)` of `divSchemes`.
     pub convection: Convection,
     /// `div(phi,alpha)` of `divSchemes`, for algebraic transport of a volume fraction.
@@ -36,6 +38,7 @@ impl Default for Schemes {
         Schemes {
             ddt: TimeScheme::Euler,
             gradient: GradientKind::GaussLinear,
+            limiter: None,
             convection: Convection::LinearUpwind,
             alpha: Convection::Limited(LimiterKind::VanLeer(1.0)),
             non_orthogonal: 1.0,
@@ -60,7 +63,16 @@ impl Schemes {
         }
         if let Some(sub) = r.opt_sub("gradSchemes") {
             let key = first_of(&sub, &["default", "grad(U)", "grad(p)", "grad(p_rgh)"]);
-            s.gradient = key.map_or(s.gradient, |k| gradient(&sub, k, notices));
+            s.gradient = key.map_or(s.gradient, |k| gradient(&sub, k, notices).0);
+            let key = first_of(&sub, &["grad(U)", "default"]);
+            s.limiter = key.and_then(|k| gradient(&sub, k, &Notices::default()).1);
+            if s.limiter.is_some() && key == Some("default") {
+                notices.say(
+                    "gradSchemes: the gradient that convection extrapolates with is limited, those of \
+                     pressure and stress are plain"
+                        .to_owned(),
+                );
+            }
             leave(&sub, "grad(");
         }
         if let Some(sub) = r.opt_sub("divSchemes") {
@@ -107,62 +119,79 @@ fn leave(r: &Reader<'_>, of: &str) {
     }
 }
 
+/// The time schemes by name.
+const TIME: [&str; 6] =
+    ["Euler", "backward", "CrankNicolson", "localEuler", "steadyState", "bounded"];
+
 fn ddt(r: &Reader<'_>, key: &str, (two, grains): (bool, bool)) -> TimeScheme {
     let Some(mut t) = r.tokens(key) else { return TimeScheme::Euler };
-    let at = t.here();
-    let word = t.word("the time scheme");
-    let refuse = |message: &str, help: &str| t.error_at(&at, message, "not available", Some(help));
-    let known_schemes = match two {
-        true => "write `Euler` (first order)",
-        false => {
-            "write `Euler` (first order), `backward` (second order) or `steadyState` (no time)"
+    let mut at = t.here();
+    let mut word = t.word("the time scheme");
+    if word == "bounded" {
+        // What it takes out is the divergence of the flux, which there is none of.
+        at = t.here();
+        word = t.word("the time scheme");
+    }
+    let refuse = |t: &TokenReader<'_>, message: &str, help: &str| {
+        t.error_at(&at, message, "not available", Some(help));
+        TimeScheme::Euler
+    };
+    let scheme = match word {
+        "Euler" | "" => TimeScheme::Euler,
+        "backward" if two => {
+            let message = "two phases do not move by backward differences";
+            return refuse(&t, message, "write `CrankNicolson 0.9` or `Euler`");
+        }
+        "backward" => TimeScheme::Backward,
+        "CrankNicolson" => {
+            let psi = t.opt_number().unwrap_or(1.0);
+            if !(0.0..=1.0).contains(&psi) {
+                let message = "the number behind CrankNicolson lies between 0 (Euler) and 1";
+                t.error_at(&t.last_span(), message, "out of range", Some("0.9 is usual"));
+            }
+            TimeScheme::CrankNicolson(psi)
+        }
+        "localEuler" if two => {
+            let message = "steps of their own for every cell are for one fluid";
+            return refuse(&t, message, "march in time: write `Euler`");
+        }
+        "localEuler" => TimeScheme::Local(LOCAL),
+        "steadyState" if two && !grains => {
+            let message = "the steady solver is for one fluid, or for grains beside one";
+            let help = "march in time (`Euler`), with steps as long as the interface allows";
+            return refuse(&t, message, help);
+        }
+        "steadyState" => TimeScheme::Steady,
+        "CoEuler" | "SLTS" => {
+            let message = format!("the time scheme `{word}` is not supported");
+            return refuse(&t, &message, "`localEuler` gives every cell a step of its own");
+        }
+        _ => {
+            unknown(&t, &at, "time scheme", word, &TIME);
+            return TimeScheme::Euler;
         }
     };
-    match word {
-        "Euler" => {}
-        "backward" if !two => return TimeScheme::Backward,
-        "steadyState" if !two || grains => return TimeScheme::Steady,
-        "backward" => {
-            refuse("two phases move by the Euler scheme only", "write `Euler`");
-            return TimeScheme::Euler;
-        }
-        "steadyState" => {
-            refuse(
-                "the steady solver is for one fluid, or for grains beside one",
-                "march in time (`Euler`), with steps as long as the interface allows",
-            );
-            return TimeScheme::Euler;
-        }
-        "CrankNicolson" | "CoEuler" | "localEuler" | "SLTS" | "bounded" => {
-            refuse(&format!("the time scheme `{word}` is not supported"), known_schemes);
-            return TimeScheme::Euler;
-        }
-        "" => return TimeScheme::Euler,
-        _ => {
-            let known = ["Euler", "backward", "steadyState"];
-            let near =
-                nearest(word, known).map_or(String::new(), |n| format!("did you mean `{n}`? "));
-            refuse(
-                &format!("unknown time scheme `{word}`"),
-                &format!("{near}known schemes are Euler, backward, steadyState"),
-            );
-            return TimeScheme::Euler;
-        }
-    }
     t.finish();
-    TimeScheme::Euler
+    scheme
 }
 
-fn gradient(r: &Reader<'_>, key: &str, notices: &Notices) -> GradientKind {
-    let Some(mut t) = r.tokens(key) else { return GradientKind::GaussLinear };
+/// Steps of `localEuler` where `fvSolution` says nothing.
+pub(super) const LOCAL: LocalSteps = LocalSteps { courant: 0.9, longest: 1e30, growth: 0.1 };
+
+fn gradient(
+    r: &Reader<'_>,
+    key: &str,
+    notices: &Notices,
+) -> (GradientKind, Option<GradientLimiter>) {
+    let Some(mut t) = r.tokens(key) else { return (GradientKind::GaussLinear, None) };
     let mut at = t.here();
     let mut word = t.word("the gradient scheme");
-    if matches!(word, "cellLimited" | "cellMDLimited" | "faceLimited" | "faceMDLimited") {
-        notices.say(format!("gradSchemes: the limiter `{word}` is left out, gradients are plain"));
+    let limit = GradientLimiter::NAMES.iter().find(|(name, _)| *name == word).map(|(_, l)| *l);
+    if limit.is_some() {
         at = t.here();
         word = t.word("the gradient scheme");
     }
-    match word {
+    let kind = match word {
         "Gauss" => match t.opt_word() {
             None | Some("linear") => GradientKind::GaussLinear,
             Some(other) => {
@@ -171,16 +200,27 @@ fn gradient(r: &Reader<'_>, key: &str, notices: &Notices) -> GradientKind {
             }
         },
         "leastSquares" => GradientKind::LeastSquares,
-        "pointCellsLeastSquares" | "edgeCellsLeastSquares" | "fourth" => {
+        "pointCellsLeastSquares" | "edgeCellsLeastSquares" | "fourth" | "iterativeGauss" => {
             notices.say(format!("gradSchemes: `{word}` is served by `leastSquares`"));
             GradientKind::LeastSquares
         }
         "" => GradientKind::GaussLinear,
         _ => {
-            unknown(&t, &at, "gradient scheme", word, &["Gauss", "leastSquares", "cellLimited"]);
+            let mut known = vec!["Gauss", "leastSquares"];
+            known.extend(GradientLimiter::NAMES.map(|(name, _)| name));
+            unknown(&t, &at, "gradient scheme", word, &known);
             GradientKind::GaussLinear
         }
-    }
+    };
+    let limiter = limit.map(|limit| {
+        let k = t.opt_number().unwrap_or(1.0);
+        if !(0.0..=1.0).contains(&k) {
+            let message = "the number of a gradient limiter lies between 0 (none) and 1 (bounded)";
+            t.error_at(&t.last_span(), message, "out of range", None);
+        }
+        GradientLimiter { limit, k }
+    });
+    (kind, limiter)
 }
 
 fn unknown(t: &TokenReader<'_>, at: &granflow_dict::Span, what: &str, word: &str, known: &[&str]) {
@@ -238,6 +278,54 @@ fn scheme_of(r: &Reader<'_>, key: &str, default: Convection, notices: &Notices) 
     convection(&mut t, &at, name, notices)
 }
 
+/// Convection schemes that are no limiters, by name.
+pub const PLAIN: [&str; 8] = [
+    "upwind",
+    "linear",
+    "linearUpwind",
+    "linearUpwindV",
+    "cubic",
+    "LUST",
+    "blended",
+    "fixedBlended",
+];
+
+/// Names whose scheme is another one's here.
+const SERVED: &[(&str, &str)] = &[
+    ("midPoint", "linear"),
+    ("pointLinear", "linear"),
+    ("linearFit", "linear"),
+    ("biLinearFit", "linear"),
+    ("quadraticLinearFit", "linear"),
+    ("quadraticFit", "cubic"),
+    ("cubicUpwindFit", "linearUpwind"),
+    ("linearPureUpwindFit", "linearUpwind"),
+    ("quadraticUpwindFit", "linearUpwind"),
+    ("quadraticLinearUpwindFit", "linearUpwind"),
+    ("filteredLinear", "limitedLinear"),
+    ("filteredLinear2", "limitedLinear"),
+    ("filteredLinear3", "limitedLinear"),
+    ("clippedLinear", "limitedLinear"),
+    ("limitedCubic", "MUSCL"),
+    ("SFCD", "Gamma"),
+];
+
+/// Names of the reference tool that have no like here.
+const REFUSED: &[&str] = &[
+    "CoBlended",
+    "cellCoBlended",
+    "localBlended",
+    "limiterBlended",
+    "limitWith",
+    "localMax",
+    "localMin",
+    "downwind",
+    "reverseLinear",
+    "weighted",
+    "weightedFlux",
+    "Phi",
+];
+
 fn convection(
     t: &mut TokenReader<'_>,
     at: &granflow_dict::Span,
@@ -248,31 +336,103 @@ fn convection(
         "" => return Convection::LinearUpwind,
         "upwind" => return Convection::Upwind,
         "linear" => return Convection::Linear,
-        "linearUpwind" | "linearUpwindV" => return Convection::LinearUpwind,
-        "midPoint" | "cubic" | "skewCorrected" => {
-            notices.say(format!("divSchemes: `{name}` is served by `linear`"));
-            return Convection::Linear;
+        "linearUpwind" | "linearUpwindV" => {
+            // Its gradient is that of `grad(U)`, whatever name is behind.
+            return match name {
+                "linearUpwind" => Convection::LinearUpwind,
+                _ => Convection::LinearUpwindV,
+            };
+        }
+        "cubic" => return Convection::Mixed(Shares::CUBIC),
+        "LUST" => {
+            return Convection::Mixed(Shares::LUST);
+        }
+        "blended" => {
+            let linear = Shares { linear: 1.0, ..Shares::default() };
+            let upwind = Shares { upwind: 1.0, ..Shares::default() };
+            return Convection::Mixed(Shares::blend(share(t), linear, upwind));
+        }
+        "fixedBlended" => {
+            let k = share(t);
+            let [a, b] = [(); 2].map(|()| part(t, notices));
+            return Convection::Mixed(Shares::blend(k, a, b));
+        }
+        // What is behind them is corrected, or deferred, anyway.
+        "skewCorrected" | "deferredCorrection" | "outletStabilised" => {
+            let at = t.here();
+            let name = t.word("the convection scheme");
+            return convection(t, &at, name, notices);
         }
         _ => {}
     }
-    let base = name.strip_suffix('V').filter(|b| LimiterKind::NAMES.contains(b)).unwrap_or(name);
+    let base = name.strip_suffix('V').filter(|b| is_known(b)).unwrap_or(name);
+    if let Some((_, ours)) = SERVED.iter().find(|(theirs, _)| *theirs == base) {
+        notices.say(format!("divSchemes: `{name}` is served by `{ours}`"));
+        return match LimiterKind::parse(ours, 1.0) {
+            Some(limiter) => Convection::Limited(limiter),
+            None => convection(t, at, ours, notices),
+        };
+    }
     let k = t.opt_number().unwrap_or(1.0);
-    match LimiterKind::parse(base, k) {
-        Some(limiter) => {
-            if base == name {
-                notices.say(format!(
-                    "divSchemes: `{name}` limits a vector along its own change, as `{name}V` does"
-                ));
-            }
-            Convection::Limited(limiter)
+    if let Some(limiter) = LimiterKind::parse(base, k) {
+        if base == name {
+            notices.say(format!(
+                "divSchemes: `{name}` limits a vector along its own change, as `{name}V` does"
+            ));
         }
-        None => {
-            let mut known = vec!["upwind", "linear", "linearUpwind"];
-            known.extend(LimiterKind::NAMES);
-            unknown(t, at, "convection scheme", name, &known);
+        return Convection::Limited(limiter);
+    }
+    let mut known = PLAIN.to_vec();
+    known.extend(LimiterKind::NAMES);
+    if REFUSED.contains(&base) {
+        let help = format!("there are {}", known.join(", "));
+        let message = format!("the convection scheme `{name}` is not done here");
+        t.error_at(at, message, "not available", Some(&help));
+    } else {
+        unknown(t, at, "convection scheme", name, &known);
+    }
+    Convection::LinearUpwind
+}
+
+fn is_known(base: &str) -> bool {
+    LimiterKind::NAMES.contains(&base) || SERVED.iter().any(|(theirs, _)| *theirs == base)
+}
+
+/// A number from 0 to 1 behind the name of a scheme.
+fn share(t: &mut TokenReader<'_>) -> f64 {
+    let k = t.number("the share of the first scheme");
+    if !(0.0..=1.0).contains(&k) {
+        t.error_at(&t.last_span(), "a share lies between 0 and 1", "out of range", None);
+    }
+    k
+}
+
+/// One of the two schemes behind `fixedBlended`.
+fn part(t: &mut TokenReader<'_>, notices: &Notices) -> Shares {
+    let at = t.here();
+    if t.peek().is_some_and(|t| t.word() == Some("Gauss")) {
+        t.next();
+    }
+    let name = t.word("the convection scheme");
+    let scheme = match name {
+        // Behind these stands the name of a gradient, and another scheme may follow.
+        "linearUpwind" => {
+            t.opt_word();
             Convection::LinearUpwind
         }
-    }
+        "LUST" => {
+            t.opt_word();
+            Convection::Mixed(Shares::LUST)
+        }
+        _ => convection(t, &at, name, notices),
+    };
+    scheme.shares().unwrap_or_else(|| {
+        let message =
+            format!("`{name}` is limited and cannot be part of a mixture in fixed shares");
+        let help = "there are upwind, linear, linearUpwind, cubic, LUST";
+        t.error_at(&at, message, "not a fixed share", Some(help));
+        Shares { linear_upwind: 1.0, ..Shares::default() }
+    })
 }
 
 fn laplacian(r: &Reader<'_>, key: &str) -> f64 {

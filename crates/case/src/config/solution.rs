@@ -21,7 +21,7 @@
 use crate::Notices;
 use granflow_base::{Dims, Vec3};
 use granflow_dict::{Dict, Reader, Severity, Sink, Span, Value, nearest};
-use granflow_flow::ResidualControl;
+use granflow_flow::{LocalSteps, ResidualControl};
 use granflow_linsolve::{ALL, SolverSpec, Tolerance, build};
 
 /// A linear solver with its tolerances.
@@ -78,6 +78,8 @@ pub struct Solution {
     pub control: ResidualControl,
     /// When the Newton iterations of the fluidity stop.
     pub newton: f64,
+    /// How long the steps of cells are where each has its own.
+    pub local: LocalSteps,
     /// The pressure level where no boundary fixes it.
     pub reference: Option<Reference>,
 }
@@ -126,6 +128,8 @@ pub(super) struct Kind {
     pub(super) granular: bool,
     /// Whether a steady state is looked for.
     pub(super) steady: bool,
+    /// Whether every cell has a step of its own.
+    pub(super) local: bool,
 }
 
 /// When a steady state is found.
@@ -192,6 +196,7 @@ impl Solution {
             predictor: true,
             control: if steady { STEADY } else { ResidualControl::default() },
             newton: if steady { 1e-12 } else { 1e-10 },
+            local: super::schemes::LOCAL,
             reference: None,
         };
         let order: [&str; 3] = match application {
@@ -257,6 +262,13 @@ impl Solution {
         }
         self.predictor = r.opt_switch("momentumPredictor", true);
         self.read_reference(r);
+        if kind.local {
+            let l = &mut self.local;
+            l.courant = r.opt_positive("maxCo", Dims::NONE, l.courant);
+            l.longest = r.opt_positive("maxDeltaT", Dims::TIME, l.longest);
+            l.growth = r.opt_positive("rDeltaTSmoothingCoeff", Dims::NONE, l.growth);
+            r.ignore("rDeltaTDampingCoeff");
+        }
         for other in [
             "consistent",
             "transonic",

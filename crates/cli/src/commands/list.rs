@@ -171,17 +171,46 @@ const SCHEMES: &[(&str, &str, &str, &str)] = &[
     ),
     (
         "time",
+        "CrankNicolson",
+        "trapezoidal rule, second order; `CrankNicolson 0.9` has a little of Euler in it, 0 is Euler",
+        "J. Crank, P. Nicolson, Math. Proc. Camb. Phil. Soc. 43 (1947) 50",
+    ),
+    (
+        "time",
+        "localEuler",
+        "Euler with a step of its own for every cell, towards a steady state: `maxCo`, `maxDeltaT`, \
+         `rDeltaTSmoothingCoeff` of PIMPLE",
+        HIRSCH,
+    ),
+    (
+        "time",
+        "bounded",
+        "before another scheme: takes out the flux's divergence, which there is none of here",
+        "book, Finite volumes",
+    ),
+    (
+        "time",
         "steadyState",
         "none: a step finds the steady state of the conditions at its end",
         "book, Steady states",
     ),
     ("gradient", "Gauss", "Gauss's theorem with linear interpolation, `Gauss linear`", FERZIGER),
+    ("gradient", "leastSquares", "least squares weighted with the distance", BARTH),
     (
         "gradient",
-        "leastSquares",
-        "least squares weighted with the distance",
-        "T. J. Barth, D. C. Jespersen, AIAA 89-0366 (1989)",
+        "cellLimited",
+        "before another scheme, with a number from 0 to 1: the whole gradient shrinks until it says \
+         nothing at faces that neighbours do not have; for convection",
+        BARTH,
     ),
+    (
+        "gradient",
+        "cellMDLimited",
+        "the same, and only its part along the way to the face shrinks",
+        BARTH,
+    ),
+    ("gradient", "faceLimited", "cellLimited by the two cells of every face alone", BARTH),
+    ("gradient", "faceMDLimited", "cellMDLimited by the two cells of every face alone", BARTH),
     ("convection", "upwind", "the upwind cell's value, first order, bounded", FERZIGER),
     ("convection", "linear", "central, second order, unbounded", FERZIGER),
     (
@@ -189,6 +218,31 @@ const SCHEMES: &[(&str, &str, &str, &str)] = &[
         "linearUpwind",
         "upwind with the upwind cell's gradient, second order",
         "R. F. Warming, R. M. Beam, AIAA J. 14 (1976) 1241",
+    ),
+    (
+        "convection",
+        "linearUpwindV",
+        "linearUpwind, of a vector: along its own change and no further than central",
+        "R. F. Warming, R. M. Beam, AIAA J. 14 (1976) 1241",
+    ),
+    (
+        "convection",
+        "cubic",
+        "the cubic through values and gradients of both cells, unbounded",
+        "Ch. Hermite, J. reine angew. Math. 84 (1878) 70",
+    ),
+    (
+        "convection",
+        "LUST",
+        "three quarters central, one quarter linearUpwind",
+        "H. Weller, Mon. Weather Rev. 140 (2012) 3220",
+    ),
+    ("convection", "blended", "a share of central, the rest upwind: `blended 0.8`", FERZIGER),
+    (
+        "convection",
+        "fixedBlended",
+        "two schemes in fixed shares: `fixedBlended 0.8 linear linearUpwind grad(U)`",
+        FERZIGER,
     ),
     ("convection", "limitedLinear", "central limited towards upwind, `limitedLinear 1`", SWEBY),
     (
@@ -227,6 +281,24 @@ const SCHEMES: &[(&str, &str, &str, &str)] = &[
         "quadratic upwind, limited",
         "B. P. Leonard, Comput. Methods Appl. Mech. Eng. 19 (1979) 59",
     ),
+    (
+        "convection",
+        "OSPRE",
+        "a smooth limiter",
+        "N. P. Waterson, H. Deconinck, 9th Int. Conf. Numer. Meth. Laminar Turbul. Flow (1995)",
+    ),
+    (
+        "convection",
+        "UMIST",
+        "QUICK's symmetric bounded relative",
+        "F. S. Lien, M. A. Leschziner, Int. J. Numer. Meth. Fluids 19 (1994) 527",
+    ),
+    (
+        "convection",
+        "Gamma",
+        "central, blended into upwind where it would overshoot: `Gamma 1`",
+        "H. Jasak, H. G. Weller, A. D. Gosman, Int. J. Numer. Meth. Fluids 31 (1999) 431",
+    ),
     ("correction", "corrected", "full non-orthogonal correction of the normal gradient", JASAK),
     ("correction", "limited", "the given part of the correction, `limited 0.5`", JASAK),
     ("correction", "uncorrected", "no non-orthogonal correction", JASAK),
@@ -234,6 +306,7 @@ const SCHEMES: &[(&str, &str, &str, &str)] = &[
 ];
 const HIRSCH: &str = "C. Hirsch, Numerical Computation of Internal and External Flows, 1988";
 const FERZIGER: &str = "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 4";
+const BARTH: &str = "T. J. Barth, D. C. Jespersen, AIAA 89-0366 (1989)";
 const SWEBY: &str = "P. K. Sweby, SIAM J. Numer. Anal. 21 (1984) 995";
 const JASAK: &str = "H. Jasak, PhD thesis, Imperial College 1996, ch. 3.3";
 
@@ -248,14 +321,13 @@ fn schemes() -> Vec<Item> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use granflow_fv::{Convection, LimiterKind};
+    use granflow_fv::LimiterKind;
 
     #[test]
     fn every_convection_scheme_is_listed_and_nothing_else() {
         let mut listed: Vec<&str> =
             SCHEMES.iter().filter(|s| s.0 == "convection").map(|s| s.1).collect();
-        let plain = [Convection::Upwind, Convection::Linear, Convection::LinearUpwind];
-        let mut known: Vec<&str> = plain.iter().map(|c| c.name()).collect();
+        let mut known = granflow_case::config::PLAIN.to_vec();
         known.extend(LimiterKind::NAMES);
         listed.sort_unstable();
         known.sort_unstable();

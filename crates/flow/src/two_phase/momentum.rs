@@ -6,11 +6,14 @@ use super::TwoPhase;
 use crate::momentum::add_faces;
 use crate::{Flow, StepError};
 use granflow_base::Value;
-use granflow_fv::{Ddt, ddt, div, div_explicit, laplacian, operators, source};
+use granflow_fv::{Ddt, ddt, div, div_explicit, laplacian, operators, source, sp};
 
 impl Flow {
     /// Assembles momentum without the forces on faces, with the fields as they stand.
     pub(crate) fn assemble_two_phase_momentum(&mut self, dt: f64) -> Result<(), StepError> {
+        let c = self.ddt_coefficients(dt);
+        self.apply_sources();
+        let sinks = self.has_sources();
         let Flow { exec, mesh, state, numerics, work: w, two_phase, gravity, .. } = self;
         let Some(two) = two_phase else { return Ok(()) };
         let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
@@ -24,8 +27,10 @@ impl Flow {
             add_faces(exec, mesh.n_faces(), 1.0, &w.scratch_f.data, &mut w.explicit.data);
         }
         let convection = numerics.convection;
+        w.limit_gradient(exec, mesh, numerics, u);
         let (flux, out) = (&w.rho_phi.data, &mut w.scratch_f);
-        convection.weigh(exec, mesh, u, &w.grad_u, flux, &mut w.weights, out);
+        let gradient = w.limited.as_deref().unwrap_or(&w.grad_u);
+        convection.weigh(exec, mesh, u, gradient, flux, &mut w.weights, out);
         if convection.corrects(mesh) {
             add_faces(exec, mesh.n_inner, -1.0, &w.scratch_f.data, &mut w.explicit.data);
         }
@@ -36,13 +41,16 @@ impl Flow {
             old: &w.u_start,
             older: &state.u_old,
             dt,
-            c: [1.0, 1.0, 0.0],
+            c,
         };
         let mut momentum = ddt(inertia) + div(&w.rho_phi, &w.weights)
             - laplacian(&w.eta_f)
             - div_explicit(&w.explicit);
-        if gravity.driving != [0.0; 3] {
+        if gravity.driving != [0.0; 3] || sinks {
             momentum = momentum - source(&w.body);
+        }
+        if sinks {
+            momentum = momentum + sp(&w.sink);
         }
         w.u_eqn.assemble(exec, mesh, u, &momentum)?;
         Ok(())

@@ -81,6 +81,7 @@ impl Flow {
                 crate::step::note(&mut report.p, &mut report.iterations[1], solved);
             }
         }
+        self.move_to_mean_velocity();
         self.prescribe(self.state.time);
         report.converged = true;
         report.residuals.u = report.u.map_or(0.0, |(first, _)| first.first);

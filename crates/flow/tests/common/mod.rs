@@ -48,6 +48,7 @@ pub fn numerics(outer: usize, correctors: usize) -> Numerics {
         ddt: TimeScheme::Euler,
         convection: Convection::Upwind,
         gradient: Gradient::GaussLinear,
+        limiter: None,
         non_orthogonal: 1.0,
         outer,
         correctors,

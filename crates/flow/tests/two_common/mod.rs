@@ -24,6 +24,7 @@ pub fn numerics(correctors: usize) -> Numerics {
         ddt: TimeScheme::Euler,
         convection: Convection::LinearUpwind,
         gradient: Gradient::GaussLinear,
+        limiter: None,
         non_orthogonal: 1.0,
         outer: 1,
         correctors,

@@ -1,0 +1,188 @@
+//! Named sets of cells: `constant/polyMesh/cellZones`, and what `system/topoSetDict` would make of the
+//! mesh.
+//!
+//! The reference tool needs its utility `topoSet` to be run first. Here the dictionary is read where a
+//! zone is asked for, and nothing is written.
+
+use crate::{CaseError, files, set_fields};
+use granflow_dict::{Payload, Reader, Sink, Source, Tok, Value, nearest, parse_list_file};
+use granflow_mesh::{Mesh, PolyMesh};
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::Arc;
+
+const FILE: &str = "constant/polyMesh/cellZones";
+const TOPO_SET: &str = "system/topoSetDict";
+
+/// Sets of cells by name, in the user's numbering.
+#[derive(Clone, Debug, Default)]
+pub struct Zones(BTreeMap<String, Vec<u32>>);
+
+impl Zones {
+    /// Reads the zones of a case. Mistakes go to the sink.
+    ///
+    /// # Errors
+    /// A file is there and cannot be read.
+    pub fn read(root: &Path, _: &PolyMesh, mesh: &Mesh, sink: &Sink) -> Result<Zones, CaseError> {
+        let mut zones = Zones::default();
+        if let Some(source) = files::source(root, FILE)? {
+            zones.read_file(source, mesh.n_cells, sink);
+        }
+        if let Some(dict) = files::dict(root, TOPO_SET, sink)? {
+            zones.make(&Reader::new(&dict, sink), mesh);
+        }
+        Ok(zones)
+    }
+
+    /// The cells of the zone `name`, in the user's numbering.
+    pub fn get(&self, name: &str) -> Option<&[u32]> {
+        self.0.get(name).map(Vec::as_slice)
+    }
+
+    /// Names of all zones.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.0.keys().map(String::as_str)
+    }
+
+    /// `N ( name { type cellZone; cellLabels List<label> n (...); } ... )`.
+    fn read_file(&mut self, source: Arc<Source>, n: usize, sink: &Sink) {
+        let (_, payload, found) = parse_list_file(source);
+        sink.extend(found);
+        let Payload::Entries(entries) = payload else { return };
+        for entry in &entries {
+            let Value::Dict(zone) = &entry.value else { continue };
+            let r = Reader::new(zone, sink);
+            if let Some(cells) = labels(&r, "cellLabels", n) {
+                self.0.insert(entry.key.text().to_owned(), sorted(cells));
+            }
+        }
+    }
+
+    /// The actions of `topoSetDict`, in their order.
+    fn make(&mut self, r: &Reader<'_>, mesh: &Mesh) {
+        let Some(mut list) = r.list("actions") else { return };
+        while !list.is_empty() {
+            let Some(action) = list.dict("an action") else { break };
+            self.act(&action, mesh);
+        }
+        r.ignore_all();
+    }
+
+    fn act(&mut self, r: &Reader<'_>, mesh: &Mesh) {
+        let name = r.word("name").to_owned();
+        let kind = r.word("type").to_owned();
+        if !matches!(kind.as_str(), "cellSet" | "cellZoneSet") {
+            // Sets of faces and points: nothing here asks for them.
+            r.ignore_all();
+            return;
+        }
+        let actions = ["new", "add", "delete", "subtract", "subset", "clear", "invert", "remove"];
+        let action = r.one_of("action", &actions.map(|a| (a, a)));
+        if matches!(action, "clear" | "remove") {
+            self.0.insert(name, Vec::new());
+            r.ignore_all();
+            return;
+        }
+        let mut now = self.0.remove(&name).unwrap_or_default();
+        if action == "invert" {
+            now = (0..mesh.n_cells as u32).filter(|c| now.binary_search(c).is_err()).collect();
+            self.0.insert(name, now);
+            return;
+        }
+        let found = self.source(r, mesh);
+        let chosen = match action {
+            "new" => found,
+            "add" => {
+                now.extend(found);
+                now
+            }
+            "subset" => now.into_iter().filter(|c| found.binary_search(c).is_ok()).collect(),
+            _ => now.into_iter().filter(|c| found.binary_search(c).is_err()).collect(),
+        };
+        self.0.insert(name, sorted(chosen));
+    }
+
+    /// The cells that `source` of an action finds, in ascending order.
+    fn source(&self, r: &Reader<'_>, mesh: &Mesh) -> Vec<u32> {
+        let kind = r.word("source").to_owned();
+        // Older cases give its entries in a dictionary of their own.
+        let inner = r.entry("sourceInfo").and_then(|_| r.opt_sub("sourceInfo"));
+        let of = inner.as_ref().unwrap_or(r);
+        let named = ["set", "zone", "name"];
+        match kind.as_str() {
+            "" => Vec::new(),
+            "cellToCell" | "zoneToCell" | "setToCellZone" => {
+                let key =
+                    named.into_iter().find(|k| of.has(k) && (*k != "name" || inner.is_some()));
+                let key = key.unwrap_or(if kind == "zoneToCell" { "zone" } else { "set" });
+                let other = of.word(key).to_owned();
+                self.expect(of, key, &other).to_vec()
+            }
+            "labelToCell" => sorted(labels(of, "value", mesh.n_cells).unwrap_or_default()),
+            _ => match set_fields::cells_of(&kind, of, mesh) {
+                Some(cells) => sorted(cells.into_iter().map(|c| mesh.global_cell[c]).collect()),
+                None => {
+                    let known: Vec<&str> =
+                        SETS.into_iter().chain(set_fields::region_names()).collect();
+                    let near = nearest(&kind, known.iter().copied());
+                    let near = near.map_or(String::new(), |n| format!("did you mean `{n}`? "));
+                    let help = format!("{near}there are {}", known.join(", "));
+                    let message = format!("the source of cells `{kind}` is not done here");
+                    r.error_at_key("source", message, "not available", Some(&help));
+                    r.ignore_all();
+                    Vec::new()
+                }
+            },
+        }
+    }
+
+    /// The zone that the entry `key` names.
+    pub fn expect(&self, r: &Reader<'_>, key: &str, name: &str) -> &[u32] {
+        if name.is_empty() {
+            return &[];
+        }
+        self.get(name).unwrap_or_else(|| {
+            let near = nearest(name, self.names());
+            let help = match (near, self.0.is_empty()) {
+                (Some(near), _) => format!("did you mean `{near}`?"),
+                (None, true) => format!("the case has none: give them in {FILE} or {TOPO_SET}"),
+                (None, false) => {
+                    format!("there are {}", self.names().collect::<Vec<_>>().join(", "))
+                }
+            };
+            r.error_at_key(key, format!("no cell zone `{name}`"), "not known", Some(&help));
+            &[]
+        })
+    }
+}
+
+const SETS: [&str; 4] = ["cellToCell", "zoneToCell", "setToCellZone", "labelToCell"];
+
+/// A list of cells of a mesh with `n`.
+fn labels(r: &Reader<'_>, key: &str, n: usize) -> Option<Vec<u32>> {
+    let list = r.raw(key)?.last()?;
+    let cells: Option<Vec<i64>> = match &list.kind {
+        Tok::Packed(p) => match &**p {
+            Payload::Labels(cells) => Some(cells.clone()),
+            p => p.is_empty().then(Vec::new),
+        },
+        _ => list.list().and_then(|l| l.iter().map(|t| t.label()).collect()),
+    };
+    let Some(cells) = cells else {
+        r.error_at_key(key, "expected a list of cells", "not a list of cells", None);
+        return None;
+    };
+    let own = |c: &i64| usize::try_from(*c).is_ok_and(|c| c < n);
+    if let Some(beyond) = cells.iter().find(|c| !own(c)) {
+        let message = format!("there is no cell {beyond}: the mesh has {n} cells");
+        r.error_at_key(key, message, "beyond the mesh", None);
+        return None;
+    }
+    Some(cells.into_iter().map(|c| c as u32).collect())
+}
+
+fn sorted(mut cells: Vec<u32>) -> Vec<u32> {
+    cells.sort_unstable();
+    cells.dedup();
+    cells
+}
