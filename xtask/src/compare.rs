@@ -1,11 +1,11 @@
-//! The laminar tutorials of `interFoam` and `interIsoFoam` through both programs, compared cell by
-//! cell. Needs OpenFOAM and its examples; nothing of either is kept here.
+//! The laminar tutorials of OpenFOAM through both programs, compared cell by cell: here those of two
+//! phases, in `laminar` the others. Needs OpenFOAM and its examples; nothing of either is kept here.
 //!
 //! Both programs get the tutorial's own files. Only when to end and what to write is set, and what
 //! a tutorial's `changes` say. Where a mesh or the first fields come from a utility that we have no
 //! match for, ours reads the peer's.
 
-use crate::{bench, foam_field as field, run};
+use crate::{bench, foam_field as field, laminar, run};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub(crate) enum Start {
 
 #[derive(Clone, Copy)]
 pub(crate) struct Tutorial {
-    /// Below `multiphase` in the examples; the last part is its name.
+    /// Below `multiphase` or `incompressible` in the examples; the last part is its name.
     pub(crate) path: &'static str,
     /// The peer's utilities between copying and solving, a command line each.
     pub(crate) prepare: &'static [&'static str],
@@ -35,6 +35,8 @@ pub(crate) struct Tutorial {
     pub(crate) interval: f64,
     /// Direction in which the front is looked for.
     pub(crate) axis: usize,
+    /// What tells it from others of the same path.
+    pub(crate) label: &'static str,
 }
 
 const STATIC: (&str, &str, &str) = ("constant/dynamicMeshDict", "dynamicFvMesh", "staticFvMesh");
@@ -50,7 +52,16 @@ const WAVES: &[&str] = &["cp -r 0.orig 0", "blockMesh", "setFields"];
 
 /// A tutorial of waves, the first fields from `setFields` of either.
 const fn waves(path: &'static str, end: f64, interval: f64) -> Tutorial {
-    Tutorial { path, prepare: WAVES, start: Start::Own, changes: &[], end, interval, axis: 0 }
+    Tutorial {
+        path,
+        prepare: WAVES,
+        start: Start::Own,
+        changes: &[],
+        end,
+        interval,
+        axis: 0,
+        label: "",
+    }
 }
 
 /// The solitary waves in three dimensions, 4 cells across in place of 28.
@@ -70,6 +81,7 @@ pub(crate) const TUTORIALS: &[Tutorial] = &[
         end: 0.2,
         interval: 0.05,
         axis: 0,
+        label: "",
     },
     Tutorial {
         path: "interFoam/laminar/damBreakWithObstacle",
@@ -79,6 +91,7 @@ pub(crate) const TUTORIALS: &[Tutorial] = &[
         end: 0.3,
         interval: 0.1,
         axis: 0,
+        label: "",
     },
     Tutorial {
         path: "interFoam/laminar/capillaryRise",
@@ -88,6 +101,7 @@ pub(crate) const TUTORIALS: &[Tutorial] = &[
         end: 0.05,
         interval: 0.01,
         axis: 1,
+        label: "",
     },
     Tutorial {
         path: "interIsoFoam/damBreak",
@@ -97,6 +111,7 @@ pub(crate) const TUTORIALS: &[Tutorial] = &[
         end: 0.16,
         interval: 0.04,
         axis: 0,
+        label: "",
     },
     Tutorial {
         path: "interIsoFoam/damBreakWithObstacle",
@@ -106,6 +121,7 @@ pub(crate) const TUTORIALS: &[Tutorial] = &[
         end: 0.3,
         interval: 0.1,
         axis: 0,
+        label: "",
     },
     Tutorial {
         path: "interIsoFoam/iobasin",
@@ -115,6 +131,7 @@ pub(crate) const TUTORIALS: &[Tutorial] = &[
         end: 0.5,
         interval: 0.1,
         axis: 0,
+        label: "",
     },
     Tutorial {
         path: "interIsoFoam/standingWave",
@@ -128,10 +145,11 @@ pub(crate) const TUTORIALS: &[Tutorial] = &[
             "setAlphaField",
         ],
         start: Start::Mesh,
-        changes: &[("system/fvSchemes", "default         CrankNicolson 0.5", "default Euler")],
+        changes: &[],
         end: 1.0,
         interval: 0.25,
         axis: 2,
+        label: "",
     },
     Tutorial {
         path: "interIsoFoam/discInConstantFlow",
@@ -141,6 +159,7 @@ pub(crate) const TUTORIALS: &[Tutorial] = &[
         end: 4.0,
         interval: 1.0,
         axis: 0,
+        label: "",
     },
     Tutorial {
         path: "interIsoFoam/discInConstantFlowCyclicBCs",
@@ -150,6 +169,7 @@ pub(crate) const TUTORIALS: &[Tutorial] = &[
         end: 5.0,
         interval: 1.0,
         axis: 0,
+        label: "",
     },
     Tutorial {
         path: "interIsoFoam/notchedDiscInSolidBodyRotation",
@@ -165,6 +185,7 @@ pub(crate) const TUTORIALS: &[Tutorial] = &[
         end: 2.0,
         interval: 0.5,
         axis: 0,
+        label: "",
     },
     Tutorial {
         path: "interIsoFoam/discInReversedVortexFlow",
@@ -182,6 +203,7 @@ pub(crate) const TUTORIALS: &[Tutorial] = &[
         end: 8.0,
         interval: 2.0,
         axis: 0,
+        label: "",
     },
     Tutorial {
         path: "interIsoFoam/sphereInReversedVortexFlow",
@@ -191,6 +213,7 @@ pub(crate) const TUTORIALS: &[Tutorial] = &[
         end: 1.5,
         interval: 0.5,
         axis: 0,
+        label: "",
     },
     waves("interFoam/laminar/waves/stokesI", 6.0, 2.0),
     waves("interFoam/laminar/waves/stokesII", 6.0, 2.0),
@@ -216,9 +239,10 @@ pub(crate) fn task(args: &[String]) -> Result<bool, String> {
             name => names.push(name),
         }
     }
-    let known = |n: &&str| TUTORIALS.iter().any(|t| t.path.contains(*n));
+    let every = || TUTORIALS.iter().chain(laminar::TUTORIALS);
+    let known = |n: &&str| every().any(|t| t.path.contains(*n));
     if let Some(stranger) = names.iter().find(|n| !known(n)) {
-        let all: Vec<&str> = TUTORIALS.iter().map(|t| t.path).collect();
+        let all: Vec<&str> = every().map(|t| t.path).collect();
         return Err(format!("no tutorial `{stranger}`; there are\n  {}", all.join("\n  ")));
     }
     let granflow = match (again, granflow) {
@@ -228,14 +252,19 @@ pub(crate) fn task(args: &[String]) -> Result<bool, String> {
         }
         (false, None) => run::build_granflow("release")?,
     };
+    let asked = |t: &&Tutorial| names.is_empty() || names.iter().any(|n| t.path.contains(*n));
+    let mut complete = true;
+    if laminar::TUTORIALS.iter().any(|t| asked(&t)) {
+        complete = laminar::compare(&examples, &granflow, again, asked);
+    }
+    if !TUTORIALS.iter().any(|t| asked(&t)) {
+        return Ok(complete);
+    }
     println!(
         "| tutorial | t, s | L1 of alpha | volume | front | centroid | p at walls | p_rgh | surface, of what it moved |"
     );
     println!("|---|---|---|---|---|---|---|---|---|");
-    let mut complete = true;
-    for t in
-        TUTORIALS.iter().filter(|t| names.is_empty() || names.iter().any(|n| t.path.contains(n)))
-    {
+    for t in TUTORIALS.iter().filter(asked) {
         let from = examples.join("multiphase").join(t.path);
         let ran = if again { Ok(()) } else { t.run(&from, &granflow) };
         if let Err(why) = ran.and_then(|()| t.compare()) {
@@ -279,23 +308,24 @@ fn logged_until_it_runs(solver: &str, dir: &Path) -> Result<f64, String> {
 }
 
 impl Tutorial {
-    fn name(&self) -> String {
-        self.path.replace('/', "_")
+    pub(crate) fn name(&self) -> String {
+        format!("{}{}", self.path.replace('/', "_"), self.label.replace([' ', ',', '='], "_"))
     }
 
-    /// The peer's program for it.
+    /// The peer's program for it: the folder of its tutorials.
     pub(crate) fn solver(&self) -> &'static str {
-        if self.path.starts_with("interIso") { "interIsoFoam" } else { "interFoam" }
+        self.path.split('/').find(|part| part.ends_with("Foam")).unwrap_or("interFoam")
     }
 
     /// Both programs on copies of the tutorial.
-    fn run(&self, from: &Path, granflow: &Path) -> Result<(), String> {
+    pub(crate) fn run(&self, from: &Path, granflow: &Path) -> Result<(), String> {
         if !from.is_dir() {
             return Err(format!("{} is not there", from.display()));
         }
         let theirs = bench::copy_case(from, &format!("{}-theirs", self.name()))?;
         let ours = bench::copy_case(from, &format!("{}-ours", self.name()))?;
         for case in [&theirs, &ours] {
+            self.fill_templates(case)?;
             self.edit(case)?;
         }
         for (i, line) in self.prepare.iter().enumerate() {
@@ -335,11 +365,29 @@ impl Tutorial {
         Ok(())
     }
 
+    /// Files that a tutorial's script makes of its templates.
+    fn fill_templates(&self, case: &Path) -> Result<(), String> {
+        for dir in ["constant", "system"] {
+            let found = fs::read_dir(case.join(dir)).map_err(|e| format!("{dir}: {e}"))?;
+            for path in found.flatten().map(|f| f.path()) {
+                if path.extension().is_some_and(|e| e == "template") {
+                    let text = fs::read_to_string(&path).map_err(|e| e.to_string())?;
+                    let text = text
+                        .replace("LAMINAR_MODEL", "Stokes")
+                        .replace("END_TIME", &self.end.to_string());
+                    fs::write(path.with_extension(""), text).map_err(|e| e.to_string())?;
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// What both copies have in common beyond the tutorial.
     pub(crate) fn edit(&self, case: &Path) -> Result<(), String> {
         let (end, interval) = (self.end.to_string(), self.interval.to_string());
         let control = [
             ("startFrom", "startTime"),
+            ("startTime", "0"),
             ("endTime", end.as_str()),
             ("writeControl", "adjustableRunTime"),
             ("writeInterval", interval.as_str()),

@@ -23,6 +23,27 @@ pub(crate) fn scalars(path: &Path, n: usize) -> Result<Vec<f64>, String> {
     list.split_whitespace().map(|w| w.parse().map_err(|_| bad())).collect()
 }
 
+/// `internalField` of a vector field; a uniform one has `n` values.
+pub(crate) fn vectors(path: &Path, n: usize) -> Result<Vec<[f64; 3]>, String> {
+    let all = text(path)?;
+    let bad = || format!("{}: no vector field", path.display());
+    let (_, field) = all.split_once("internalField").ok_or_else(bad)?;
+    let (field, _) = field.split_once("boundaryField").unwrap_or((field, ""));
+    let uniform = field.trim_start().starts_with("uniform");
+    let (_, list) = field.split_once('(').ok_or_else(bad)?;
+    let parts: Option<Vec<f64>> = list
+        .split(['(', ')', ';', ' ', '\n'])
+        .filter(|w| !w.is_empty())
+        .map(|w| w.parse().ok())
+        .collect();
+    let parts = parts.ok_or_else(bad)?;
+    let vectors: Vec<[f64; 3]> = parts.chunks_exact(3).map(|v| [v[0], v[1], v[2]]).collect();
+    match (uniform, vectors.first()) {
+        (true, Some(v)) => Ok(vec![*v; n]),
+        _ => Ok(vectors),
+    }
+}
+
 /// Cells that have a face on a patch of type `wall`.
 pub(crate) fn cells_at_walls(mesh: &Path) -> Result<Vec<usize>, String> {
     let owner = text(&mesh.join("owner"))?;
@@ -65,6 +86,13 @@ mod tests {
         assert_eq!(scalars(&dir.join("b"), 9).unwrap(), [1.0, 0.2, 3.0]);
         assert_eq!(cells_at_walls(&dir).unwrap(), [0, 1]);
         assert!(scalars(&dir.join("owner"), 1).is_err());
+        file("u", "internalField uniform (1 2 3);\nboundaryField {}");
+        file(
+            "v",
+            "internalField nonuniform List<vector>\n2\n(\n(1 0 0)\n(0 2e1 0)\n)\n;\nboundaryField {}",
+        );
+        assert_eq!(vectors(&dir.join("u"), 2).unwrap(), [[1.0, 2.0, 3.0]; 2]);
+        assert_eq!(vectors(&dir.join("v"), 2).unwrap(), [[1.0, 0.0, 0.0], [0.0, 20.0, 0.0]]);
         fs::remove_dir_all(&dir).unwrap();
     }
 }

@@ -7,6 +7,7 @@ mod ci;
 mod compare;
 mod docs;
 mod foam_field;
+mod laminar;
 mod links;
 mod race;
 mod run;
@@ -26,8 +27,8 @@ usage: cargo xtask TASK [OPTIONS]
   bench [PART ...]        timings; PART is kernels, annular or cavity (all of them by default)
         [--repeat N]      runs of each program, 3 by default; medians are printed
         [--granflow PATH] the program to time; built in release mode by default
-  compare [NAME ...]      laminar tutorials of interFoam and interIsoFoam through both programs,
-                          cell by cell; needs OpenFOAM and its examples
+  compare [NAME ...]      laminar tutorials of OpenFOAM through both programs, cell by cell;
+                          needs OpenFOAM and its examples
         [--again]         only compares what the last runs left
         [--examples DIR]  where they are; Debian's place by default
         [--granflow PATH] the program to run; built in release mode by default

@@ -118,6 +118,7 @@ impl Race {
                 end,
                 interval,
                 axis: 0,
+                label: "",
             }),
         }
     }

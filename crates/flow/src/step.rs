@@ -170,6 +170,9 @@ impl Flow {
                 self.keep_if_best(&report.residuals);
             }
             report.outer = k + 1;
+            if self.carrier_may_follow() {
+                self.work.coupled.carrier.decide(report.residuals.u);
+            }
             let wanted = self.wanted_reduction(settled, &report.residuals);
             self.correct(dt, wanted, k + 1 == outer, report)?;
         }
@@ -261,7 +264,20 @@ impl Flow {
             most = most.min(MOVING_BESIDE);
         }
         let care = if settled { 1.0 } else { self.work.patience.care };
+        if self.carrier_may_follow() {
+            // Picard's passes gain a constant factor whatever they are solved to, Newton's the square.
+            let follows = self.work.coupled.carrier.follows;
+            let gain = if follows { (0.3 * now.u.sqrt()).min(CARRIED) } else { CARRIED };
+            return if needed.is_nan() { gain } else { needed.clamp(gain, CARRIED) };
+        }
         if needed.is_nan() { most } else { needed.clamp(least, most) * care }
+    }
+
+    /// Whether passes are there because the flow carries itself: a steady state at constant viscosity.
+    fn carrier_may_follow(&self) -> bool {
+        self.numerics.ddt == TimeScheme::Steady
+            && self.two_phase.is_none()
+            && self.fluid.rheology.is_constant()
     }
 
     /// Residuals of the state as it stands, taken as a steady state (no inertia between steps);
@@ -545,6 +561,8 @@ impl Patience {
 /// settled and on its way.
 const SETTLED: (f64, f64) = (1e-6, 1e-1);
 const MOVING: (f64, f64) = (1e-2, 1e-1);
+/// Reduction in a pass on what carries itself, whose flux is held.
+const CARRIED: f64 = 0.1;
 /// The greatest beside another fluid, where what the pressure lacks decides who is in contact.
 const MOVING_BESIDE: f64 = 1e-2;
 

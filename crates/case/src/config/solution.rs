@@ -147,7 +147,7 @@ impl Solution {
     ) -> Solution {
         let Kind { varies, steady, .. } = kind;
         let r = Reader::new(dict, sink);
-        let default_u = if varies { ("GAMG", None) } else { ("PBiCGStab", Some("DILU")) };
+        let default_u = if varies || steady { ("GAMG", None) } else { ("PBiCGStab", Some("DILU")) };
         let (mut u, mut p, mut fluidity) = (
             LinearSolve::default_of(default_u, 1e-10),
             LinearSolve::default_of(("GAMG", None), 1e-10),
@@ -165,6 +165,14 @@ impl Solution {
             let name = if solvers.has(pressure) { pressure } else { "p" };
             p = LinearSolve::read(&solvers, name, p, notices);
             p.precondition_with_multigrid(name, notices);
+            if steady && !varies && u.spec.solver != "GAMG" {
+                notices.say(format!(
+                    "fvSolution: `{}` for `U` is served by `GAMG`: without inertia the others take many \
+                     iterations",
+                    u.spec.solver
+                ));
+                u.spec = LinearSolve::default_of(("GAMG", None), 1e-10).spec;
+            }
             let default = fluidity.clone();
             fluidity = LinearSolve::read(&solvers, "fluidity", fluidity, notices);
             if matches!(fluidity.spec.solver.as_str(), "PCG" | "GAMG") {
