@@ -64,12 +64,12 @@ fn cells(poly: &PolyMesh, g: &Geometry, ptr: &[u32], links: &[u32], report: &mut
         let v = g.volume[c];
         if v.is_nan() || v <= 0.0 {
             // Worst is greatest: the most negative comes first.
-            inverted.add(place(c, -v));
+            inverted.add(place(c, -v), &[c as u32]);
         }
         let openness = norm(sum) / surface.max(f64::MIN_POSITIVE);
         q.max_openness = q.max_openness.max(openness);
         if openness > 1e-6 {
-            open.add(place(c, openness));
+            open.add(place(c, openness), &[c as u32]);
         }
         let used = || (0..3).filter(|&d| solved[d]).map(|d| sides[d]);
         let (lo, hi) = (used().fold(f64::INFINITY, f64::min), used().fold(0.0, f64::max));
@@ -80,7 +80,7 @@ fn cells(poly: &PolyMesh, g: &Geometry, ptr: &[u32], links: &[u32], report: &mut
         }
         q.max_aspect = q.max_aspect.max(aspect);
         if aspect > THIN {
-            thin.add(place(c, aspect));
+            thin.add(place(c, aspect), &[c as u32]);
         }
     }
     for p in &mut inverted.places {
@@ -88,18 +88,21 @@ fn cells(poly: &PolyMesh, g: &Geometry, ptr: &[u32], links: &[u32], report: &mut
     }
     inverted.report(
         report,
+        "volume",
         Severity::Error,
         "cells of no or negative volume (m3)",
         "the block or its vertices are inside out, or points have crossed over",
     );
     open.report(
         report,
+        "openCell",
         Severity::Error,
         "cells with an open surface (sum of area vectors relative to the surface)",
         "faces are missing or turn the wrong way: make the mesh again",
     );
     thin.report(
         report,
+        "aspectRatio",
         Severity::Warning,
         "very elongated cells (aspect ratio)",
         "fewer cells or a weaker grading along the short direction",
@@ -127,12 +130,12 @@ fn faces(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
         let size = poly.face(f).iter().map(|&p| norm(sub(poly.points[p as usize], centre)));
         let size = size.fold(0.0, f64::max);
         if mag.is_nan() || mag <= 1e-12 * size * size {
-            null.add(place(f, mag));
+            null.add(place(f, mag), &poly.cells_of(f));
             continue;
         }
         let bulge = reach(normal) / size;
         if bulge > 0.3 {
-            warped.add(place(f, bulge));
+            warped.add(place(f, bulge), &poly.cells_of(f));
         }
         let o = g.cell_centre[poly.owner[f] as usize];
         let delta = match poly.neighbour.get(f) {
@@ -145,16 +148,16 @@ fn faces(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
             total_angle += angle;
             q.max_nonorth_deg = q.max_nonorth_deg.max(angle);
             if angle.is_nan() || angle >= 90.0 {
-                backward.add(place(f, angle));
+                backward.add(place(f, angle), &poly.cells_of(f));
             } else if angle > STEEP {
-                steep.add(place(f, angle));
+                steep.add(place(f, angle), &poly.cells_of(f));
             }
             let v = [poly.owner[f], poly.neighbour[f]].map(|c| g.volume[c as usize]);
             let ratio = v[0].max(v[1]) / v[0].min(v[1]).max(f64::MIN_POSITIVE);
             if v[0] > 0.0 && v[1] > 0.0 {
                 q.max_volume_ratio = q.max_volume_ratio.max(ratio);
                 if ratio > JUMP {
-                    jump.add(place(f, ratio));
+                    jump.add(place(f, ratio), &poly.cells_of(f));
                 }
             }
         }
@@ -165,38 +168,49 @@ fn faces(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
             let skewness = norm(off) / scale_of;
             q.max_skewness = q.max_skewness.max(skewness);
             if skewness > SKEW {
-                skewed.add(place(f, skewness));
+                skewed.add(place(f, skewness), &poly.cells_of(f));
             }
         }
     }
     q.mean_nonorth_deg = total_angle / n_inner.max(1) as f64;
-    null.report(report, Severity::Error, "faces without area (m2)", "merge their points");
+    null.report(
+        report,
+        "faceArea",
+        Severity::Error,
+        "faces without area (m2)",
+        "merge their points",
+    );
     backward.report(
         report,
+        "overlap",
         Severity::Error,
         "faces that do not separate the centres of their cells (angle, degrees)",
         "cells overlap or are badly distorted there: smooth or coarsen the mesh",
     );
     steep.report(
         report,
+        "nonOrthogonality",
         Severity::Warning,
         "steeply non-orthogonal faces (angle, degrees)",
         "use `limited 0.5` for snGradSchemes and laplacianSchemes, and 1 or 2 nNonOrthogonalCorrectors",
     );
     skewed.report(
         report,
+        "skewness",
         Severity::Warning,
         "badly skewed faces (distance off the line of centres, in face sizes)",
         "make neighbouring cells more alike; accuracy suffers there",
     );
     jump.report(
         report,
+        "volumeRatio",
         Severity::Warning,
         "faces between cells of very different size (ratio of volumes)",
         "a gentler grading: neighbours should not differ by more than 20 %",
     );
     warped.report(
         report,
+        "warpage",
         Severity::Warning,
         "warped faces (departure from their plane, relative to their size)",
         "straighten the edges or split the faces",
