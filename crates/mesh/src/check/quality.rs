@@ -164,7 +164,9 @@ fn faces(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
         if across > 0.0 {
             let pierced = add(o, scale(delta, dot(normal, sub(centre, o)) / across));
             let off = sub(centre, pierced);
-            let scale_of = (0.2 * norm(delta)).max(reach(unit(off)));
+            // Across the boundary lies the cell's mirror image.
+            let span = if f < n_inner { norm(delta) } else { 2.0 * norm(delta) };
+            let scale_of = (0.2 * span).max(reach(unit(off)));
             let skewness = norm(off) / scale_of;
             q.max_skewness = q.max_skewness.max(skewness);
             if skewness > SKEW {

@@ -101,6 +101,7 @@ fn read_piece(
             ends: integers("face_offsets")?,
             faces: integers("polyhedron_to_faces")?,
             cells: integers("polyhedron_offsets")?,
+            n_cells: n,
         },
         _ => Polyhedra::None,
     };
@@ -247,6 +248,7 @@ enum Polyhedra {
         ends: Vec<i64>,
         faces: Vec<i64>,
         cells: Vec<i64>,
+        n_cells: usize,
     },
 }
 
@@ -268,24 +270,23 @@ impl Polyhedra {
                 }
                 Some(out)
             }
-            Polyhedra::Faces { points, ends, faces, cells } => {
-                let piece = |list: &[i64], i: usize| -> Option<(usize, usize)> {
-                    // Offsets may begin with a zero of their own.
-                    let shift = usize::from(list.first() == Some(&0));
-                    let end = *list.get(i + shift)?;
-                    let begin = if i + shift == 0 { 0 } else { list[i + shift - 1] };
-                    Some((usize::try_from(begin).ok()?, usize::try_from(end).ok()?))
+            Polyhedra::Faces { points, ends, faces, cells, n_cells } => {
+                let (a, b) = piece(cells, c, cells.len() > *n_cells)?;
+                // No face has no points: a zero is an offset of its own.
+                let ahead = ends.first() == Some(&0);
+                let points = |&f: &i64| {
+                    let (a, b) = piece(ends, usize::try_from(f).ok()?, ahead)?;
+                    points.get(a..b)
                 };
-                let (a, b) = piece(cells, c)?;
-                faces
-                    .get(a..b)?
-                    .iter()
-                    .map(|&f| {
-                        let (a, b) = piece(ends, usize::try_from(f).ok()?)?;
-                        points.get(a..b)
-                    })
-                    .collect()
+                faces.get(a..b)?.iter().map(points).collect()
             }
         }
     }
+}
+
+/// Where item `i` of a list begins and ends, by the ends of all, a zero ahead of them or not.
+fn piece(ends: &[i64], i: usize, zero_ahead: bool) -> Option<(usize, usize)> {
+    let i = i + usize::from(zero_ahead);
+    let begin = if i == 0 { 0 } else { *ends.get(i - 1)? };
+    Some((usize::try_from(begin).ok()?, usize::try_from(*ends.get(i)?).ok()?))
 }

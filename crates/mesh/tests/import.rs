@@ -1,0 +1,244 @@
+//! Meshes of Gmsh, Fluent and VTK. The files in `data` were written by Gmsh 4.15 and VTK 9.7; all of
+//! one name hold the same mesh.
+#![allow(clippy::unwrap_used)]
+
+use granflow_dict::{Diags, Source};
+use granflow_mesh::check::{CheckReport, check};
+use granflow_mesh::import::{Imported, Options, read};
+use granflow_mesh::{Mesh, PatchKind};
+
+fn file(name: &str) -> Vec<u8> {
+    std::fs::read(format!("{}/tests/data/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+fn import(name: &str, bytes: impl Into<Vec<u8>>, options: &Options) -> Result<Imported, Diags> {
+    read(&Source::new(name, bytes), options).map_err(Diags::from)
+}
+
+fn imported(name: &str) -> (Imported, CheckReport) {
+    let found = import(name, file(name), &Options::default()).unwrap_or_else(|d| panic!("{d}"));
+    let report = check(&found.mesh);
+    assert!(report.ok(), "{name}: {report}");
+    (found, report)
+}
+
+fn patches(found: &Imported) -> Vec<(&str, &'static str, usize)> {
+    found.mesh.patches.iter().map(|p| (p.name.as_str(), p.kind.word(), p.len)).collect()
+}
+
+fn message(name: &str, bytes: impl Into<Vec<u8>>) -> String {
+    import(name, bytes, &Options::default()).err().map_or("no error".into(), |d| d.to_string())
+}
+
+/// A box of 1 x 1 x 2 m in tetrahedra, in every version and form.
+#[test]
+fn gmsh_files_of_all_versions_give_one_mesh() {
+    let (first, report) = imported("box_2.2.msh");
+    assert_eq!((report.cells, report.shapes.tetrahedra), (24, 24));
+    assert!((report.quality.total_volume - 2.0).abs() < 1e-12);
+    assert_eq!(
+        patches(&first),
+        [("side_walls", "wall", 16), ("outlet", "patch", 4), ("inlet", "patch", 4)]
+    );
+    let area = |name: &str| report.patches.iter().find(|p| p.name == name).unwrap().area;
+    assert!((area("inlet") - 1.0).abs() < 1e-12 && (area("side_walls") - 8.0).abs() < 1e-12);
+    assert_eq!(first.mesh.cell_zones[0].name, "pipe");
+    assert_eq!(first.mesh.cell_zones[0].cells, (0..24).collect::<Vec<u32>>());
+    for name in ["box_2.2_binary.msh", "box_4.0.msh", "box_4.1.msh", "box_4.1_binary.msh"] {
+        let (other, _) = imported(name);
+        assert_eq!(other.mesh.n_faces(), first.mesh.n_faces(), "{name}");
+        assert_eq!(other.mesh.cell_zones, first.mesh.cell_zones, "{name}");
+        assert_eq!(patches(&other), patches(&first), "{name}");
+        let off = first.mesh.points.iter().zip(&other.mesh.points);
+        let off = off.flat_map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).abs())).fold(0.0, f64::max);
+        assert!(off < 1e-12, "{name}: {off}");
+        assert_eq!(other.mesh.owner, first.mesh.owner, "{name}");
+    }
+}
+
+#[test]
+fn a_plane_gmsh_mesh_becomes_one_layer_of_cells() {
+    let options = Options { scale: 0.001, thickness: Some(2e-4), ..Options::default() };
+    let found = import("plane_4.1.msh", file("plane_4.1.msh"), &options).unwrap();
+    let report = check(&found.mesh);
+    assert!(report.ok(), "{report}");
+    assert!((report.quality.total_volume - 2e-6 * 2e-4).abs() < 1e-21);
+    assert_eq!(report.shapes.prisms, report.cells);
+    assert_eq!(Mesh::new(&found.mesh).unwrap().solved_dirs, [true, true, false]);
+    let names: Vec<_> = patches(&found).iter().map(|p| (p.0, p.1)).collect();
+    let expected = [
+        ("inlet", "patch"),
+        ("outlet", "patch"),
+        ("frontAndBack", "empty"),
+        ("defaultFaces", "patch"),
+    ];
+    assert_eq!(names, expected);
+    assert_eq!(found.mesh.cell_zones[0].name, "fluid");
+    insta::assert_snapshot!(found.notes.join("\n"), @"");
+}
+
+const SHAPES: &str = "$MeshFormat
+2.2 0 8
+$EndMeshFormat
+$Nodes
+10
+1 0 0 0
+2 1 0 0
+3 1 1 0
+4 0 1 0
+5 0 0 1
+6 1 0 1
+7 1 1 1
+8 0 1 1
+9 0.5 0.5 2
+40 2 0.5 0.5
+$EndNodes
+$Elements
+5
+1 5 2 0 1 1 2 3 4 5 6 7 8
+2 7 2 0 1 5 6 7 8 9
+3 7 2 0 1 3 2 6 7 40
+4 15 2 0 1 1
+5 3 2 0 9 1 2 3 4
+$EndElements
+";
+
+/// By hand: a cube with a pyramid on its top and one on its side; the latter is written inside out.
+#[test]
+fn shapes_find_each_other_whichever_way_they_are_written() {
+    let found = import("shapes.msh", SHAPES, &Options::default()).unwrap();
+    let report = check(&found.mesh);
+    assert!(report.ok(), "{report}");
+    assert_eq!((report.shapes.hexahedra, report.shapes.pyramids), (1, 2));
+    assert!((report.quality.total_volume - (1.0 + 2.0 / 3.0)).abs() < 1e-14);
+    assert_eq!((report.inner_faces, found.mesh.points.len()), (2, 10));
+    assert_eq!(patches(&found), [("surface9", "patch", 1), ("defaultFaces", "patch", 11)]);
+    let options = Options { feature_angle: Some(20.0), ..Options::default() };
+    let split = import("shapes.msh", SHAPES, &options).unwrap();
+    assert_eq!(split.mesh.patches.len(), 1 + 11, "every face is a plane of its own");
+}
+
+#[test]
+fn what_gmsh_files_may_not_hold_is_named_with_its_place() {
+    let changed = |from: &str, to: &str| message("a.msh", SHAPES.replace(from, to));
+    insta::assert_snapshot!(changed("1 5 2 0 1 1 2", "1 11 2 0 1 1 2"), @"");
+    insta::assert_snapshot!(changed("5 6 7 8 9\n3", "5 6 7 8 99\n3"), @"");
+    insta::assert_snapshot!(changed("2.2 0 8", "3 0 8"), @"");
+    insta::assert_snapshot!(changed("$EndNodes", "$EndNode"), @"");
+    insta::assert_snapshot!(changed("40 2 0.5 0.5", "40 2 0.5 x"), @"");
+    insta::assert_snapshot!(message("a.msh", SHAPES.split("$Elements").next().unwrap()), @"");
+    insta::assert_snapshot!(changed("3 7 2 0 1 3 2 6 7 40", "3 5 2 0 1 9 10 3 4 5 6 7 8"), @"");
+}
+
+#[test]
+fn files_of_no_known_kind_are_refused() {
+    insta::assert_snapshot!(message("a.stl", "solid a\nendsolid\n"), @"");
+}
+
+/// Cuts and damages everywhere: a message or a mesh, and no panic.
+#[test]
+fn damaged_files_do_not_panic() {
+    let names =
+        ["box_4.1_binary.msh", "box_2.2_binary.msh", "cells_raw_zlib.vtu", "cells_base64.vtu"];
+    for name in names {
+        let bytes = file(name);
+        for n in (0..bytes.len()).step_by(7) {
+            assert!(import(name, &bytes[..n], &Options::default()).is_err(), "{name} cut at {n}");
+            let mut odd = bytes.clone();
+            odd[n] ^= 0x55;
+            let _ = import(name, odd, &Options::default());
+        }
+    }
+}
+
+/// A hexahedron, a voxel, two wedges, a polyhedron and a pyramid on top, with two numbered sides.
+#[test]
+fn vtu_files_of_all_encodings_give_one_mesh() {
+    let (first, report) = imported("cells_ascii.vtu");
+    let s = report.shapes;
+    assert_eq!((s.hexahedra, s.prisms, s.pyramids, s.polyhedra), (3, 2, 1, 0));
+    assert!((report.quality.total_volume - (1.0 + 0.25 * 0.5 / 3.0)).abs() < 1e-14);
+    let expected = [("group1", "patch", 2), ("group2", "patch", 2), ("defaultFaces", "patch", 17)];
+    assert_eq!(patches(&first), expected);
+    let zones: Vec<_> =
+        first.mesh.cell_zones.iter().map(|z| (z.name.as_str(), z.cells.len())).collect();
+    assert_eq!(zones, [("group7", 4), ("group8", 2)]);
+    for form in
+        ["base64", "base64_zlib", "raw", "raw_zlib", "appended_base64", "appended_base64_zlib"]
+    {
+        let (other, _) = imported(&format!("cells_{form}.vtu"));
+        assert_eq!(other.mesh, first.mesh, "{form}");
+    }
+}
+
+#[test]
+fn vtu_arrays_and_cells_that_cannot_be_used_are_named() {
+    let text = String::from_utf8(file("cells_ascii.vtu")).unwrap();
+    let options = Options { group_array: Some("cellentityids".into()), ..Options::default() };
+    insta::assert_snapshot!(import("a.vtu", text.clone(), &options).err().unwrap(), @"");
+    let changed = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        message("a.vtu", text.replace(from, to))
+    };
+    insta::assert_snapshot!(changed("12 14 11 13", "25 14 11 13"), @"");
+    insta::assert_snapshot!(changed("UnstructuredGrid\"", "PolyData\""), @"");
+    insta::assert_snapshot!(changed("</Cells>", ""), @"");
+}
+
+/// Two quadrilaterals side by side, by hand.
+const FLUENT: &str = "(0 \"by hand\")
+(2 2)
+(10 (0 1 6 0 2))
+(10 (1 1 6 1 2)(
+0 0
+1 0
+2 0
+0 1
+1 1
+2 1
+))
+(12 (0 1 2 0))
+(12 (9 1 2 1 3))
+(13 (0 1 7 0))
+(13 (3 1 1 2 2)(
+2 5 2 1
+))
+(13 (4 2 5 3 2)(
+2 1 1 0
+3 2 2 0
+4 5 1 0
+5 6 2 0))
+(13 (5 6 6 a 2)(
+1 4 1 0
+))
+(13 (6 7 7 5 2)(
+6 3 2 0
+))
+(45 (3 interior inside)())
+(45 (4 wall floor)())
+(45 (5 velocity-inlet in)())
+(45 (6 pressure-outlet out)())
+(45 (9 fluid air)())
+";
+
+#[test]
+fn fluent_files_bring_zones_and_kinds() {
+    let options = Options { thickness: Some(0.5), ..Options::default() };
+    let found = import("a.msh", FLUENT, &options).unwrap_or_else(|d| panic!("{d}"));
+    let report = check(&found.mesh);
+    assert!(report.ok(), "{report}");
+    assert_eq!((report.cells, report.shapes.hexahedra, report.inner_faces), (2, 2, 1));
+    assert!((report.quality.total_volume - 1.0).abs() < 1e-14);
+    let expected = [
+        ("floor", "wall", 4),
+        ("in", "patch", 1),
+        ("out", "patch", 1),
+        ("frontAndBackPlanes", "empty", 4),
+    ];
+    assert_eq!(patches(&found), expected);
+    assert_eq!(found.mesh.patches[3].kind, PatchKind::Empty);
+    assert_eq!(found.mesh.cell_zones[0].name, "air");
+    insta::assert_snapshot!(message("a.msh", FLUENT.replace("2 5 2 1", "2 5 2 x")), @"");
+    insta::assert_snapshot!(message("a.msh", FLUENT.replace("6 3 2 0", "6 2 2 0")), @"");
+    insta::assert_snapshot!(message("a.msh", FLUENT.replace("(13 (6 7", "(2013 (6 7")), @"");
+}
