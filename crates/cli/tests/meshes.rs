@@ -39,7 +39,8 @@ $EndElements
 
 /// Lines of a report that an import must keep.
 fn kept(report: &str) -> Vec<String> {
-    let of = |l: &&str| ["cells ", "faces ", "points ", "cell volume"].iter().any(|k| l.starts_with(k));
+    let of =
+        |l: &&str| ["cells ", "faces ", "points ", "cell volume"].iter().any(|k| l.starts_with(k));
     report.lines().filter(of).map(str::to_owned).collect()
 }
 
@@ -53,7 +54,10 @@ fn what_was_exported_comes_back() {
     assert_eq!(out.status.code(), Some(0), "{}", text(&out.stderr));
     assert_eq!(kept(&said).len(), 4, "{said}");
     assert_eq!(kept(&said), kept(&made));
-    assert!(said.contains("VTK/0.vtu: a mesh of VTU") && said.contains("defaultFaces5 (patch)"), "{said}");
+    assert!(
+        said.contains("VTK/0.vtu: a mesh of VTU") && said.contains("defaultFaces5 (patch)"),
+        "{said}"
+    );
 }
 
 #[test]

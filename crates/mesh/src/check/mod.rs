@@ -11,6 +11,9 @@ use crate::geometry::Geometry;
 use crate::mesh::Mesh;
 use crate::polymesh::{MeshError, PolyMesh};
 
+/// Of a place whose cells [`Worst::add`] fills in, or that is a cell itself.
+const NO_CELLS: (Option<u32>, Option<u32>) = (None, None);
+
 /// How many places a finding lists.
 const LISTED: usize = 5;
 
@@ -66,7 +69,10 @@ impl Worst {
         Worst { count: 0, places: Vec::new(), cells: Vec::new() }
     }
     /// Keeps the greatest values, and all the cells that have the fault.
-    fn add(&mut self, place: Place, cells: &[u32]) {
+    fn add(&mut self, mut place: Place, cells: &[u32]) {
+        if place.what == "face" {
+            place.cells = (cells.first().copied(), cells.get(1).copied());
+        }
         self.count += 1;
         self.cells.extend_from_slice(cells);
         let at = self.places.partition_point(|p| p.value >= place.value);

@@ -122,6 +122,8 @@ pub struct Place {
     pub at: Vec3,
     /// How bad it is there, in the units of the finding.
     pub value: f64,
+    /// Of a face, the cells on its sides: the owner and, inside the mesh, the neighbour.
+    pub cells: (Option<u32>, Option<u32>),
 }
 
 impl Finding {
@@ -217,7 +219,13 @@ impl fmt::Display for Finding {
         };
         write!(f, "{word}: {}", self.message)?;
         for p in &self.places {
-            write!(f, "\n  {} {} at {}: {}", p.what, p.index, place(p.at), short(p.value))?;
+            write!(f, "\n  {} {}", p.what, p.index)?;
+            match p.cells {
+                (Some(a), Some(b)) => write!(f, " between cells {a} and {b}")?,
+                (Some(a), None) => write!(f, " of cell {a}")?,
+                _ => {}
+            }
+            write!(f, " at {}: {}", place(p.at), short(p.value))?;
         }
         if self.count > self.places.len() {
             write!(f, "\n  and {} more", self.count - self.places.len())?;

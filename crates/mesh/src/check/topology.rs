@@ -1,7 +1,7 @@
 //! Checks that need no coordinates (they only say where).
 
-use super::Worst;
 use super::report::{CellShapes, CheckReport, Finding, PatchSummary, Place, Severity};
+use super::{NO_CELLS, Worst};
 use crate::geometry::Geometry;
 use crate::polymesh::{PatchKind, PolyMesh};
 use granflow_base::norm;
@@ -27,10 +27,20 @@ pub(super) fn check(
         })
         .collect();
     let cell = |c: usize| &links[ptr[c] as usize..ptr[c + 1] as usize];
-    let at_cell =
-        |c: usize, value: f64| Place { what: "cell", index: c, at: g.cell_centre[c], value };
-    let at_face =
-        |f: usize, value: f64| Place { what: "face", index: f, at: g.face_centre[f], value };
+    let at_cell = |c: usize, value: f64| Place {
+        what: "cell",
+        index: c,
+        at: g.cell_centre[c],
+        value,
+        cells: NO_CELLS,
+    };
+    let at_face = |f: usize, value: f64| Place {
+        what: "face",
+        index: f,
+        at: g.face_centre[f],
+        value,
+        cells: NO_CELLS,
+    };
 
     let (mut few, mut open) = (Worst::new(), Worst::new());
     let mut edges: Vec<(u32, u32)> = Vec::new();
@@ -91,7 +101,10 @@ pub(super) fn check(
     poly.face_points.iter().for_each(|&p| used[p as usize] = true);
     let mut unused = Worst::new();
     for p in (0..used.len()).filter(|&p| !used[p]) {
-        unused.add(Place { what: "point", index: p, at: poly.points[p], value: 0.0 }, &[]);
+        unused.add(
+            Place { what: "point", index: p, at: poly.points[p], value: 0.0, cells: NO_CELLS },
+            &[],
+        );
     }
     unused.report(
         report,

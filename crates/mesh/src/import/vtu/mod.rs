@@ -43,8 +43,7 @@ mod shape {
 
 fn read(src: &Arc<Source>, options: &Options) -> Result<Elements, Vec<Diag>> {
     let arrays = Arrays::of(src)?;
-    let whole = |what: String| vec![Diag::error(&Span::new(src, 0..0), what)];
-    let xml = Document::parse(&arrays.xml).map_err(|e| whole(format!("this is no XML: {e}")))?;
+    let xml = Document::parse(&arrays.xml).map_err(|e| vec![no_xml(src, &arrays.xml, &e)])?;
     let root = xml.root_element();
     let kind = root.attribute("type").unwrap_or("nothing");
     if kind != "UnstructuredGrid" {
@@ -58,6 +57,16 @@ fn read(src: &Arc<Source>, options: &Options) -> Result<Elements, Vec<Diag>> {
     Ok(out)
 }
 
+/// What is wrong with the XML, at its line.
+fn no_xml(src: &Arc<Source>, xml: &str, e: &roxmltree::Error) -> Diag {
+    let before = xml.split_inclusive('\n').take(e.pos().row.saturating_sub(1) as usize);
+    let line = before.map(str::len).sum::<usize>();
+    let end = xml[line..].find('\n').map_or(xml.len(), |n| line + n);
+    Diag::error(&Span::new(src, line..end.min(src.text.len())), "this is no XML")
+        .label(e.to_string())
+}
+
+/// Adds the points and the cells of a piece.
 fn read_piece(
     arrays: &Arrays,
     root: Node<'_, '_>,
@@ -74,79 +83,130 @@ fn read_piece(
     let array = points.children().find(|n| n.has_tag_name("DataArray"));
     let array = array.ok_or_else(|| Diag::error(&arrays.span(points), "there are no points"))?;
     let values = arrays.numbers(root, array)?;
-    let first_point = out.points.len() as u32;
-    out.points.extend(values.chunks_exact(3).map(|x| [x[0], x[1], x[2]]));
-
     let cells = section("Cells")?;
-    let named = |name: &str| {
-        cells.children().find(|n| n.has_tag_name("DataArray") && n.attribute("Name") == Some(name))
+    let cells = Cells {
+        first_point: out.points.len() as u32,
+        groups: group_array(arrays, root, piece, options)?,
+        ..Cells::new(arrays, root, cells)?
     };
-    let integers = |name: &str| -> Result<Vec<i64>, Diag> {
-        let array = named(name).ok_or_else(|| {
-            Diag::error(&arrays.span(cells), format!("`Cells` has no array `{name}`"))
-        })?;
-        arrays.integers(root, array)
-    };
-    let (connectivity, offsets, types) =
-        (integers("connectivity")?, integers("offsets")?, integers("types")?);
-    let n = types.len();
-    let fault = |what: String| Diag::error(&arrays.span(cells), what);
-    if offsets.len() != n {
-        return Err(fault(format!("{n} types of cells but {} offsets", offsets.len())));
-    }
-    let polyhedra = match (named("faces"), named("polyhedron_to_faces")) {
-        (Some(_), _) => Polyhedra::Streams(integers("faces")?, integers("faceoffsets")?),
-        (None, Some(_)) => Polyhedra::Faces {
-            points: integers("face_connectivity")?,
-            ends: integers("face_offsets")?,
-            faces: integers("polyhedron_to_faces")?,
-            cells: integers("polyhedron_offsets")?,
-            n_cells: n,
-        },
-        _ => Polyhedra::None,
-    };
-    let groups = group_array(arrays, root, piece, options)?;
-    if let Some((name, g)) = groups.as_ref().filter(|(_, g)| g.len() != n) {
-        return Err(fault(format!("the array `{name}` has {} values for {n} cells", g.len())));
+    out.points.extend(values.chunks_exact(3).map(|x| [x[0], x[1], x[2]]));
+    cells.add_to(out)
+}
+
+/// The cells of a piece as the file has them.
+struct Cells {
+    connectivity: Vec<i64>,
+    offsets: Vec<i64>,
+    types: Vec<i64>,
+    polyhedra: Polyhedra,
+    /// Name and values of the array that tells groups apart.
+    groups: Option<(String, Vec<i64>)>,
+    /// Points of earlier pieces.
+    first_point: u32,
+    /// Where the file has them.
+    span: Span,
+}
+
+impl Cells {
+    fn new(arrays: &Arrays, root: Node<'_, '_>, cells: Node<'_, '_>) -> Result<Cells, Diag> {
+        let named = |name: &str| {
+            let wanted = |n: &Node<'_, '_>| n.attribute("Name") == Some(name);
+            cells.children().filter(|n| n.has_tag_name("DataArray")).find(wanted)
+        };
+        let integers = |name: &str| -> Result<Vec<i64>, Diag> {
+            let what = format!("`Cells` has no array `{name}`");
+            let array = named(name).ok_or_else(|| Diag::error(&arrays.span(cells), what))?;
+            arrays.integers(root, array)
+        };
+        let types = integers("types")?;
+        let polyhedra = match (named("faces"), named("polyhedron_to_faces")) {
+            (Some(_), _) => Polyhedra::Streams(integers("faces")?, integers("faceoffsets")?),
+            (None, Some(_)) => Polyhedra::Faces {
+                points: integers("face_connectivity")?,
+                ends: integers("face_offsets")?,
+                faces: integers("polyhedron_to_faces")?,
+                cells: integers("polyhedron_offsets")?,
+                n_cells: types.len(),
+            },
+            _ => Polyhedra::None,
+        };
+        Ok(Cells {
+            connectivity: integers("connectivity")?,
+            offsets: integers("offsets")?,
+            types,
+            polyhedra,
+            groups: None,
+            first_point: 0,
+            span: arrays.span(cells),
+        })
     }
 
-    let point = |p: i64| -> Result<u32, Diag> {
-        let found = u32::try_from(p).ok().and_then(|p| p.checked_add(first_point));
-        found.ok_or_else(|| fault(format!("a cell uses point {p}")))
-    };
-    let mut start = 0i64;
-    for c in 0..n {
-        let range = usize::try_from(start).ok().zip(usize::try_from(offsets[c]).ok());
-        let ring = range.and_then(|(a, b)| connectivity.get(a..b));
-        let ring = ring.ok_or_else(|| fault(format!("cell {c} ends beyond the list of points")))?;
-        start = offsets[c];
-        let mut corners = Vec::with_capacity(ring.len());
-        for &p in ring {
-            corners.push(point(p)?);
+    fn fault(&self, what: String) -> Diag {
+        Diag::error(&self.span, what)
+    }
+
+    fn point(&self, p: i64) -> Result<u32, Diag> {
+        let found = u32::try_from(p).ok().and_then(|p| p.checked_add(self.first_point));
+        found.ok_or_else(|| self.fault(format!("a cell uses point {p}")))
+    }
+
+    fn points(&self, ring: &[i64]) -> Result<Vec<u32>, Diag> {
+        ring.iter().map(|&p| self.point(p)).collect()
+    }
+
+    fn add_to(&self, out: &mut Elements) -> Result<(), Diag> {
+        let n = self.types.len();
+        if self.offsets.len() != n {
+            let m = self.offsets.len();
+            return Err(self.fault(format!("{n} types of cells but {m} offsets")));
         }
-        let dimension = match types[c] {
-            shape::VERTEX | shape::POLY_VERTEX => continue,
+        if let Some((name, g)) = self.groups.as_ref().filter(|(_, g)| g.len() != n) {
+            let m = g.len();
+            return Err(self.fault(format!("the array `{name}` has {m} values for {n} cells")));
+        }
+        let mut start = 0i64;
+        for c in 0..n {
+            let range = usize::try_from(start).ok().zip(usize::try_from(self.offsets[c]).ok());
+            let ring = range.and_then(|(a, b)| self.connectivity.get(a..b));
+            let ring =
+                ring.ok_or_else(|| self.fault(format!("cell {c} ends beyond the list of points")))?;
+            start = self.offsets[c];
+            self.add_cell(c, self.points(ring)?, out)?;
+        }
+        Ok(())
+    }
+
+    fn add_cell(&self, c: usize, mut corners: Vec<u32>, out: &mut Elements) -> Result<(), Diag> {
+        let dimension = match self.types[c] {
+            shape::VERTEX | shape::POLY_VERTEX => return Ok(()),
             shape::LINE => 1,
             shape::TRIANGLE | shape::POLYGON | shape::PIXEL | shape::QUAD => 2,
             _ => 3,
         };
-        let group = match &groups {
+        let group = match &self.groups {
             Some((name, g)) => out.group(dimension, &format!("{name}{}", g[c]), None),
             None => NONE,
         };
-        let solid = match types[c] {
+        let solid = match self.types[c] {
             shape::LINE => {
                 out.lines.push(&corners, group);
-                continue;
+                return Ok(());
             }
             shape::TRIANGLE | shape::POLYGON | shape::QUAD => {
                 out.surfaces.push(&corners, group);
-                continue;
+                return Ok(());
             }
             shape::PIXEL if corners.len() == 4 => {
                 corners.swap(2, 3);
                 out.surfaces.push(&corners, group);
-                continue;
+                return Ok(());
+            }
+            shape::POLYHEDRON => {
+                let faces = self.polyhedra.faces(c);
+                let faces = faces.ok_or_else(|| self.fault(format!("cell {c} lacks its faces")))?;
+                let rings: Result<Vec<_>, Diag> = faces.iter().map(|f| self.points(f)).collect();
+                out.volumes.push(rings?.iter().map(Vec::as_slice), group);
+                return Ok(());
             }
             shape::TETRA => Shape::Tetrahedron,
             shape::PYRAMID => Shape::Pyramid,
@@ -157,26 +217,15 @@ fn read_piece(
                 corners.swap(6, 7);
                 Shape::Hexahedron
             }
-            shape::POLYHEDRON => {
-                let faces = polyhedra.faces(c);
-                let faces = faces.ok_or_else(|| fault(format!("cell {c} lacks its faces")))?;
-                let mut rings = Vec::with_capacity(faces.len());
-                for face in faces {
-                    let ring: Result<Vec<u32>, Diag> = face.iter().map(|&p| point(p)).collect();
-                    rings.push(ring?);
-                }
-                out.volumes.push(rings.iter().map(Vec::as_slice), group);
-                continue;
-            }
-            other => return Err(unsupported(other, c, &arrays.span(cells))),
+            other => return Err(unsupported(other, c, &self.span)),
         };
         if corners.len() != solid.corners() {
-            let what = format!("cell {c} has {} points, not {}", corners.len(), solid.corners());
-            return Err(fault(what));
+            let (n, wanted) = (corners.len(), solid.corners());
+            return Err(self.fault(format!("cell {c} has {n} points, not {wanted}")));
         }
         out.volumes.push_shape(solid, &corners, group);
+        Ok(())
     }
-    Ok(())
 }
 
 /// Why a shape is refused.
@@ -257,7 +306,7 @@ impl Polyhedra {
         match self {
             Polyhedra::None => None,
             Polyhedra::Streams(stream, ends) => {
-                let before = ends[..c].iter().rev().find(|&&e| e >= 0).copied().unwrap_or(0);
+                let before = ends.get(..c)?.iter().rev().find(|&&e| e >= 0).copied().unwrap_or(0);
                 let mut rest = stream.get(before as usize..usize::try_from(*ends.get(c)?).ok()?)?;
                 let (&n, tail) = rest.split_first()?;
                 rest = tail;
