@@ -74,7 +74,9 @@ fn a_plane_gmsh_mesh_becomes_one_layer_of_cells() {
     ];
     assert_eq!(names, expected);
     assert_eq!(found.mesh.cell_zones[0].name, "fluid");
-    insta::assert_snapshot!(found.notes.join("\n"), @"");
+    insta::assert_snapshot!(found.notes.join("\n"), @r#"
+        a plane mesh: made one cell thick, 0.0002 m along z, between `frontAndBack` (empty)
+        "#);
 }
 
 const SHAPES: &str = "$MeshFormat
@@ -258,13 +260,21 @@ fn vtu_arrays_and_cells_that_cannot_be_used_are_named() {
            = help: known are triangle, quad, polygon, tetra, voxel, hexahedron, wedge, pyramid and polyhedron
         "#);
     insta::assert_snapshot!(changed("UnstructuredGrid\"", "PolyData\""), @r#"
-        error: this is no XML: expected 'Cells' tag, not 'Piece' at 72:5
+        error: a VTK file of type PolyData is no mesh
          --> a.vtu:1:1
           |
-        1 | <VTKFile type="UnstructuredGrid" version="2.3" byte_order="LittleEndian" header_type="UInt32">
-          | ^
+        1 | <VTKFile type="PolyData" version="2.3" byte_order="LittleEndian" header_type="UInt32">
+          | ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^
+          |
+          = help: save an unstructured grid (.vtu)
         "#);
-    insta::assert_snapshot!(changed("</Cells>", ""), @"");
+    insta::assert_snapshot!(changed("</Cells>", ""), @r#"
+        error: this is no XML
+          --> a.vtu:72:1
+           |
+        72 |     </Piece>
+           | ^^^^^^^^^^^^ expected 'Cells' tag, not 'Piece' at 72:5
+        "#);
 }
 
 /// Two quadrilaterals side by side, by hand.
@@ -328,6 +338,13 @@ fn fluent_files_bring_zones_and_kinds() {
            |       ^
         "#);
     insta::assert_snapshot!(message("a.msh", FLUENT.replace("6 3 2 0", "6 2 2 0")), @r#"
+        error: the sides of cell 2 do not close
+         --> a.msh:1:1
+          |
+        1 | (0 "by hand")
+          | ^
+        "#);
+    insta::assert_snapshot!(message("a.msh", FLUENT.replace("(13 (6 7", "(2013 (6 7")), @r#"
         error: binary sections (2013) are not supported
           --> a.msh:26:2
            |
@@ -336,5 +353,4 @@ fn fluent_files_bring_zones_and_kinds() {
            |
            = help: save the mesh as text (ASCII)
         "#);
-    insta::assert_snapshot!(message("a.msh", FLUENT.replace("(13 (6 7", "(2013 (6 7")), @"");
 }
