@@ -9,6 +9,7 @@ mod docs;
 mod foam_field;
 mod laminar;
 mod links;
+mod meshes;
 mod race;
 mod run;
 mod steady;
@@ -32,6 +33,11 @@ usage: cargo xtask TASK [OPTIONS]
         [--again]         only compares what the last runs left
         [--examples DIR]  where they are; Debian's place by default
         [--granflow PATH] the program to run; built in release mode by default
+  compareMeshes [PART ...]  every blockMeshDict of OpenFOAM's examples whose path holds a PART (all by
+                          default) through blockMesh and granflow mesh; needs OpenFOAM, its examples
+                          and m4
+        [--examples DIR]  where they are; Debian's place by default
+        [--granflow PATH] the program to run; built in release mode by default
   validate [NAME ...]     the catalogue of cases at full resolution against its references";
 
 fn main() -> ExitCode {
@@ -40,6 +46,7 @@ fn main() -> ExitCode {
     let outcome = match task {
         "ci" => ci::task(rest),
         "compare" => compare::task(rest),
+        "compareMeshes" => meshes::task(rest),
         "docs" => docs::task(rest),
         "bench" => bench::task(rest),
         "validate" => validate::task(rest),

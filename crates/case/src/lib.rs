@@ -3,6 +3,7 @@
 //! [`Case::load`] reads and checks everything and changes nothing; [`Run`] computes, writes and
 //! can be asked for one step at a time.
 
+pub mod bad_cells;
 pub mod boundary;
 mod build;
 mod case;

@@ -1,4 +1,4 @@
-//! The mesh of a case: from `constant/polyMesh`, or made from `system/blockMeshDict`.
+//! The mesh of a case: from `constant/polyMesh`, made from `system/blockMeshDict`, or imported.
 //!
 //! Inside, cells are numbered for short strides (reverse Cuthill-McKee) where that helps; files
 //! always hold the user's numbering. [`Mesh::global_cell`] and [`Mesh::poly_face`] of what
@@ -7,7 +7,8 @@
 use crate::store::{Compression, DirWriter};
 use crate::{CaseError, files};
 use granflow_dict::{Diag, Format, Sink};
-use granflow_mesh::poly_io::{self, FILES, PolyFiles};
+use granflow_mesh::import::{self, Imported, Options};
+use granflow_mesh::poly_io::{self, CELL_ZONES, FILES, PolyFiles};
 use granflow_mesh::{Mesh, MeshError, PolyMesh, block, renumber};
 use std::path::Path;
 
@@ -71,6 +72,29 @@ pub fn make(root: &Path, sink: &Sink) -> Result<PolyMesh, CaseError> {
     Ok(poly)
 }
 
+/// Reads a mesh of another program and writes `constant/polyMesh`, as [`make`] does.
+///
+/// # Errors
+/// [`CaseError::Invalid`] with the mistakes in the sink, or the disk refuses.
+pub fn import(
+    root: &Path,
+    file: &Path,
+    options: &Options,
+    sink: &Sink,
+) -> Result<Imported, CaseError> {
+    let Some(src) = files::source(Path::new(""), file)? else {
+        let d = Diag::file(file.display().to_string(), "there is no such file");
+        sink.push(d);
+        return Err(CaseError::Invalid);
+    };
+    let imported = import::read(&src, options).map_err(|diags| {
+        sink.extend(diags);
+        CaseError::Invalid
+    })?;
+    write(root, &imported.mesh, Format::Ascii, Compression::Plain)?;
+    Ok(imported)
+}
+
 /// Writes `constant/polyMesh`, whole or not at all.
 ///
 /// # Errors
@@ -83,9 +107,14 @@ pub fn write(
 ) -> Result<(), CaseError> {
     let target = root.join(POLY_MESH);
     let mut dir = DirWriter::begin(&target)?.keep_existing()?.compressed(compression);
+    // Sets of the mesh before, and addresses that tools keep, fit this one no more.
+    for stale in [CELL_ZONES, "faceZones", "pointZones", "meshModifiers", "cellLevel", "pointLevel"]
+    {
+        dir.remove(stale)?;
+    }
     for (name, bytes) in poly_io::write(poly, format) {
         match name {
-            "boundary" => dir.file_plain(name, &bytes)?,
+            "boundary" | CELL_ZONES => dir.file_plain(name, &bytes)?,
             _ => dir.file(name, &bytes)?,
         }
     }
@@ -95,6 +124,15 @@ pub fn write(
 
 /// The mesh of `blockMeshDict`.
 fn from_blocks(root: &Path, sink: &Sink) -> Result<PolyMesh, CaseError> {
+    let own = Sink::new();
+    let made = blocks_of(root, &own);
+    // A dictionary that lacks an include may still look complete.
+    let broken = own.has_errors();
+    sink.extend(own.take());
+    if broken { Err(CaseError::Invalid) } else { made }
+}
+
+fn blocks_of(root: &Path, sink: &Sink) -> Result<PolyMesh, CaseError> {
     let mut found = files::dict(root, BLOCK_MESH, sink)?;
     if found.is_none() {
         found = files::dict(root, "constant/polyMesh/blockMeshDict", sink)?;

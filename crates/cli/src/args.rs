@@ -26,8 +26,8 @@ pub enum Command {
     /// Run a case: mesh and initialise what is missing, solve, write, draw the figures
     #[command(allow_negative_numbers = true)]
     Run(Run),
-    /// Make constant/polyMesh from system/blockMeshDict
-    Mesh(Place),
+    /// Make constant/polyMesh from system/blockMeshDict, or from another program's file
+    Mesh(Mesh),
     /// Make 0 from 0.orig
     Init(Place),
     /// Read and check everything, estimate what a run needs; change nothing
@@ -68,12 +68,38 @@ pub struct Run {
     pub until: Option<f64>,
 }
 
+/// `granflow mesh`.
+#[derive(Debug, clap::Args)]
+pub struct Mesh {
+    /// Directory of the case
+    #[arg(default_value = ".")]
+    pub case: PathBuf,
+    /// Read a mesh of Gmsh (.msh 2, 4.0, 4.1), Fluent (.msh, text) or VTK (.vtu) instead
+    #[arg(long, value_name = "FILE")]
+    pub from: Option<PathBuf>,
+    /// Factor on the coordinates of FILE, such as 0.001 for millimetres
+    #[arg(long, value_name = "X", requires = "from", default_value = "1", value_parser = positive)]
+    pub scale: f64,
+    /// Thickness of the cells made from a plane mesh, m [default: a tenth of its extent]
+    #[arg(long, value_name = "X", requires = "from", value_parser = positive)]
+    pub thickness: Option<f64>,
+    /// Split faces that FILE gives no patch where the surface turns by more, degrees
+    #[arg(long, value_name = "DEGREES", requires = "from", value_parser = positive)]
+    pub feature_angle: Option<f64>,
+    /// Array on the cells of a .vtu FILE that tells patches and zones apart
+    #[arg(long, value_name = "NAME", requires = "from")]
+    pub groups: Option<String>,
+}
+
 /// `granflow check`.
 #[derive(Debug, clap::Args)]
 pub struct Check {
     /// Directory of the case
     #[arg(default_value = ".")]
     pub case: PathBuf,
+    /// Check the mesh alone
+    #[arg(long)]
+    pub mesh: bool,
 }
 
 /// A command that needs nothing but a case.
@@ -178,6 +204,11 @@ fn start(text: &str) -> Result<Start, String> {
 fn seconds(text: &str) -> Result<f64, String> {
     let finite = text.parse::<f64>().ok().filter(|t| t.is_finite());
     finite.ok_or_else(|| format!("expected a time in seconds, found `{text}`"))
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let found = text.parse::<f64>().ok().filter(|x| x.is_finite() && *x > 0.0);
+    found.ok_or_else(|| format!("expected a positive number, found `{text}`"))
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! What a person reads about each mistake: file, line, column, what was expected, the nearest
-//! choice. Every bad case ends with exit code 2 and is left as it was, byte for byte.
+//! choice. Every bad case ends with exit code 2 and is left as it was, byte for byte (but for the file
+//! that shows the bad cells of a mesh).
 
 #![allow(clippy::unwrap_used, reason = "a test may fail")]
 
@@ -16,7 +17,10 @@ fn diagnose(case: &Case) -> String {
     assert!(case.tree() == before, "`run` changed a bad case");
     let check = case.run(&["check"]);
     assert_eq!(check.status.code(), Some(2), "{}\n{}", case.edits, text(&check.stderr));
-    assert!(case.tree() == before, "`check` changed a bad case");
+    let mut after = case.tree();
+    // The cells of a poor mesh have a file of their own; all else stays.
+    after.retain(|path, _| !path.components().any(|c| c.as_os_str() == "postProcessing"));
+    assert!(after == before, "`check` changed a bad case");
     format!("{}\n{said}", case.edits)
 }
 

@@ -11,6 +11,9 @@ use std::sync::Arc;
 /// Names of the files in the order of [`PolyFiles`].
 pub const FILES: [&str; 5] = ["points", "faces", "owner", "neighbour", "boundary"];
 
+/// Name of the file of the cell zones; nothing here reads it.
+pub const CELL_ZONES: &str = "cellZones";
+
 /// The five files that make a mesh, already decompressed.
 #[derive(Clone)]
 pub struct PolyFiles {
@@ -131,7 +134,8 @@ fn read_patch(name: &str, d: &Dict, sink: &Sink) -> PolyPatch {
     }
 }
 
-/// The five files of a mesh, named as in [`FILES`]. `boundary` is always text.
+/// The five files of a mesh, named as in [`FILES`], and `cellZones` where it has some. `boundary`
+/// and `cellZones` are always text.
 pub fn write(mesh: &PolyMesh, format: Format) -> Vec<(&'static str, Vec<u8>)> {
     let header = |class: &str, object: &str, format: Format| {
         Header::new(class, object).location("constant/polyMesh").format(format)
@@ -148,7 +152,7 @@ pub fn write(mesh: &PolyMesh, format: Format) -> Vec<(&'static str, Vec<u8>)> {
         (name, list_file(&header("labelList", name, format).note(note.clone()), List::Labels(list)))
     };
     let faces = List::Faces { ptr: &mesh.face_ptr, points: &mesh.face_points };
-    vec![
+    let mut files = vec![
         (
             "points",
             list_file(&header("vectorField", "points", format), List::Vectors(&mesh.points)),
@@ -157,7 +161,28 @@ pub fn write(mesh: &PolyMesh, format: Format) -> Vec<(&'static str, Vec<u8>)> {
         labels("owner", &mesh.owner),
         labels("neighbour", &mesh.neighbour),
         ("boundary", boundary(mesh, &header("polyBoundaryMesh", "boundary", Format::Ascii))),
-    ]
+    ];
+    if !mesh.cell_zones.is_empty() {
+        let header = header("regIOobject", CELL_ZONES, Format::Ascii);
+        files.push((CELL_ZONES, cell_zones(mesh, &header)));
+    }
+    files
+}
+
+fn cell_zones(mesh: &PolyMesh, header: &Header) -> Vec<u8> {
+    let mut w = granflow_dict::Writer::new(header);
+    let mut text = format!("{}\n(\n", mesh.cell_zones.len());
+    for zone in &mesh.cell_zones {
+        text.push_str(&format!("{}\n{{\n    type cellZone;\n", zone.name));
+        text.push_str(&format!("    cellLabels List<label>\n{}\n(\n", zone.cells.len()));
+        for c in &zone.cells {
+            text.push_str(&format!("{c}\n"));
+        }
+        text.push_str(")\n;\n}\n");
+    }
+    text.push_str(")\n");
+    w.raw(&text);
+    w.finish()
 }
 
 fn boundary(mesh: &PolyMesh, header: &Header) -> Vec<u8> {

@@ -21,6 +21,17 @@ pub struct PolyMesh {
     pub neighbour: Vec<u32>,
     /// Boundary patches; their faces follow the inner ones without a gap.
     pub patches: Vec<PolyPatch>,
+    /// Named sets of cells.
+    pub cell_zones: Vec<CellZone>,
+}
+
+/// A named set of cells.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CellZone {
+    /// Name.
+    pub name: String,
+    /// Its cells, ascending.
+    pub cells: Vec<u32>,
 }
 
 /// One boundary patch of a [`PolyMesh`].
@@ -228,6 +239,10 @@ impl PolyMesh {
     #[inline]
     pub fn face(&self, f: usize) -> &[u32] {
         &self.face_points[self.face_ptr[f] as usize..self.face_ptr[f + 1] as usize]
+    }
+    /// The cells of face `f`, owner first.
+    pub fn cells_of(&self, f: usize) -> Vec<u32> {
+        std::iter::once(self.owner[f]).chain(self.neighbour.get(f).copied()).collect()
     }
     /// Appends a face's points; owner and neighbour are left to the caller.
     pub fn push_face(&mut self, points: &[u32]) {

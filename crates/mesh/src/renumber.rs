@@ -52,7 +52,12 @@ pub fn renumber(poly: &PolyMesh) -> (PolyMesh, Renumbering) {
         owner: inner.iter().map(|x| x.0).collect(),
         neighbour: inner.iter().map(|x| x.1).collect(),
         patches: poly.patches.iter().map(PolyPatch::clone).collect(),
+        cell_zones: poly.cell_zones.clone(),
     };
+    for zone in &mut new.cell_zones {
+        zone.cells.iter_mut().for_each(|c| *c = new_of_old[*c as usize]);
+        zone.cells.sort_unstable();
+    }
     new.owner.extend(poly.owner[n_inner..].iter().map(|&c| new_of_old[c as usize]));
     let mut turned = Vec::new();
     for &e in &faces {

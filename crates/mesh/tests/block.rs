@@ -280,6 +280,8 @@ edges ({edges});"
          --> system/blockMeshDict:6:8
           |
         6 | edges (project 1 8 (cylinder));
-          |        ^^^^^^^ expected arc, line, polyLine or spline
+          |        ^^^^^^^^^^^^^^^^^^^^^^ this edge
+          |
+          = help: projection onto surfaces is not supported: use arc, polyLine, spline or BSpline edges, or import the mesh (`granflow mesh --from FILE`)
         "#);
 }

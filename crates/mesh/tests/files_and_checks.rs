@@ -122,8 +122,15 @@ fn a_turned_face_and_a_missing_cell_are_found() {
           cell 3 at (0.75, 0.84375, 0.25): 0.333333
           help: faces are missing or turn the wrong way: make the mesh again
         error: faces that do not separate the centres of their cells (angle, degrees): 1
-          face 3 at (0.75, 0.5, 0.25): 180
+          face 3 between cells 1 and 3 at (0.75, 0.5, 0.25): 180
           help: cells overlap or are badly distorted there: smooth or coarsen the mesh
+        error: faces that the centre of a cell lies beyond (depth, m): 1
+          face 3 between cells 1 and 3 at (0.75, 0.5, 0.25): -0.34375
+          help: the cell is folded or very concave: move its points or coarsen the mesh there
+        note: concave cells (how far a face lies beyond another's plane, in distances from the centre): 2
+          cell 1 at (0.75, 0.15625, 0.25): 1.45455
+          cell 3 at (0.75, 0.84375, 0.25): 1.45455
+          help: they do no harm as long as no other finding names them
         "#);
     // A boundary face given to the wrong cell leaves both open.
     let mut m = shapes::unit_box([2, 2, 2]);

@@ -73,6 +73,12 @@ pub fn export(root: &Path, sink: &Sink) -> Result<Exported, CaseError> {
     Ok(out)
 }
 
+/// A mesh with numbers on its cells as a VTU file: name and values of each array.
+pub(crate) fn mesh_file(poly: &PolyMesh, arrays: Vec<(String, Vec<f64>)>) -> Vec<u8> {
+    let array = |(name, data)| Array { name, components: 1, data };
+    vtu::file(&Grid::new(poly), 0.0, &arrays.into_iter().map(array).collect::<Vec<_>>())
+}
+
 /// Names of the files in a time directory, without `.gz`, in order.
 pub(crate) fn names_in(dir: &Path) -> Result<Vec<String>, StoreError> {
     let fail = |e| StoreError::new(Operation::Read, dir, e);

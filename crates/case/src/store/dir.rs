@@ -106,6 +106,13 @@ impl DirWriter {
         self.put(rel, bytes)
     }
 
+    /// Leaves a file out that was taken over, packed or not; that there is none is fine.
+    pub fn remove(&mut self, rel: impl AsRef<Path>) -> Result<(), StoreError> {
+        let rel = rel.as_ref();
+        self.forget(rel)?;
+        self.forget(&with_gz(rel))
+    }
+
     /// The directory as it will be called.
     pub fn target(&self) -> &Path {
         &self.target

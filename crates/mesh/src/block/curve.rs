@@ -11,13 +11,24 @@ pub enum Curve {
     PolyLine(Vec<Vec3>),
     /// A Catmull-Rom spline through points, m.
     Spline(Vec<Vec3>),
+    /// A uniform cubic B-spline with these control points beside the two ends, m. It passes its
+    /// ends, beyond which the control points go on by point reflection.
+    BSpline(Vec<Vec3>),
+}
+
+/// What runs between two knots.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Basis {
+    Straight,
+    CatmullRom,
+    BSpline,
 }
 
 /// A curve with its end points, ready to be evaluated.
 pub(super) enum Course {
     Line([Vec3; 2]),
     Arc { centre: Vec3, arm: Vec3, axis: Vec3, angle: f64 },
-    Knots { points: Vec<Vec3>, at: Vec<f64>, smooth: bool },
+    Knots { points: Vec<Vec3>, at: Vec<f64>, basis: Basis },
 }
 
 impl Course {
@@ -33,8 +44,9 @@ impl Course {
     pub(super) fn new(curve: &Curve, from: Vec3, to: Vec3) -> Result<Course, String> {
         match curve {
             Curve::Arc(through) => arc(from, *through, to),
-            Curve::PolyLine(inner) => knots(from, inner, to, false),
-            Curve::Spline(inner) => knots(from, inner, to, true),
+            Curve::PolyLine(inner) => knots(from, inner, to, Basis::Straight),
+            Curve::Spline(inner) => knots(from, inner, to, Basis::CatmullRom),
+            Curve::BSpline(inner) => knots(from, inner, to, Basis::BSpline),
         }
     }
 
@@ -45,7 +57,7 @@ impl Course {
             Course::Arc { centre, arm, axis, angle } => {
                 add(*centre, apply(&rotation_about(*axis, angle * t), *arm))
             }
-            Course::Knots { points, at, smooth } => {
+            Course::Knots { points, at, basis } => {
                 if t <= 0.0 {
                     return points[0];
                 }
@@ -55,13 +67,14 @@ impl Course {
                 let piece = at.partition_point(|&x| x <= t).clamp(1, at.len() - 1) - 1;
                 let s = (t - at[piece]) / (at[piece + 1] - at[piece]);
                 let (a, b) = (points[piece], points[piece + 1]);
-                if !smooth {
-                    return add(a, scale(sub(b, a), s));
-                }
                 // Beyond the ends the curve goes on as its own point reflection.
                 let before = if piece > 0 { points[piece - 1] } else { sub(scale(a, 2.0), b) };
                 let after = points.get(piece + 2).copied().unwrap_or_else(|| sub(scale(b, 2.0), a));
-                catmull_rom([before, a, b, after], s)
+                match basis {
+                    Basis::Straight => add(a, scale(sub(b, a), s)),
+                    Basis::CatmullRom => catmull_rom([before, a, b, after], s),
+                    Basis::BSpline => b_spline([before, a, b, after], s),
+                }
             }
         }
     }
@@ -75,6 +88,18 @@ fn catmull_rom(p: [Vec3; 4], s: f64) -> Vec3 {
             + s * ((c - a)
                 + s * ((2.0 * a - 5.0 * b + 4.0 * c - e) + s * (3.0 * b - a - 3.0 * c + e))))
     })
+}
+
+/// One piece of a uniform cubic B-spline; de Boor, A Practical Guide to Splines (1978).
+fn b_spline(p: [Vec3; 4], s: f64) -> Vec3 {
+    let r = 1.0 - s;
+    let weight = [
+        r * r * r,
+        3.0 * s * s * s - 6.0 * s * s + 4.0,
+        3.0 * r * r * r - 6.0 * r * r + 4.0,
+        s * s * s,
+    ];
+    std::array::from_fn(|d| (0..4).map(|k| weight[k] * p[k][d]).sum::<f64>() / 6.0)
 }
 
 fn arc(from: Vec3, through: Vec3, to: Vec3) -> Result<Course, String> {
@@ -117,7 +142,7 @@ pub(super) fn passes(from: Vec3, through: Vec3, to: Vec3) -> bool {
     }
 }
 
-fn knots(from: Vec3, inner: &[Vec3], to: Vec3, smooth: bool) -> Result<Course, String> {
+fn knots(from: Vec3, inner: &[Vec3], to: Vec3, basis: Basis) -> Result<Course, String> {
     let points: Vec<Vec3> =
         std::iter::once(from).chain(inner.iter().copied()).chain(std::iter::once(to)).collect();
     let mut at = vec![0.0];
@@ -130,7 +155,7 @@ fn knots(from: Vec3, inner: &[Vec3], to: Vec3, smooth: bool) -> Result<Course, S
     }
     let total = at[at.len() - 1];
     at.iter_mut().for_each(|x| *x /= total);
-    Ok(Course::Knots { points, at, smooth })
+    Ok(Course::Knots { points, at, basis })
 }
 
 #[cfg(test)]
@@ -159,17 +184,19 @@ mod tests {
 
     #[test]
     fn polylines_are_measured_along_their_length() {
-        let l = knots([0.0; 3], &[[3.0, 0.0, 0.0]], [3.0, 1.0, 0.0], false).unwrap();
+        let l = knots([0.0; 3], &[[3.0, 0.0, 0.0]], [3.0, 1.0, 0.0], Basis::Straight).unwrap();
         assert!(close(l.at(0.5), [2.0, 0.0, 0.0]) && close(l.at(0.875), [3.0, 0.5, 0.0]));
     }
 
     #[test]
     fn splines_pass_their_points_and_keep_straight_lines() {
         let p = [[1.0, 1.0, 0.0], [2.0, 0.0, 0.0]];
-        let l = knots([0.0; 3], &p, [3.0, 0.0, 1.0], true).unwrap();
+        let l = knots([0.0; 3], &p, [3.0, 0.0, 1.0], Basis::CatmullRom).unwrap();
         let Course::Knots { at, .. } = &l else { unreachable!() };
         assert!(close(l.at(at[1]), p[0]) && close(l.at(at[2]), p[1]));
-        let l = knots([0.0; 3], &[[1.0, 1.0, 1.0]], [2.0; 3], true).unwrap();
+        let l = knots([0.0; 3], &[[1.0, 1.0, 1.0]], [2.0; 3], Basis::CatmullRom).unwrap();
         assert!(close(l.at(0.3), [0.6; 3]));
+        let l = knots([0.0; 3], &[[1.0, 1.0, 1.0]], [2.0; 3], Basis::BSpline).unwrap();
+        assert!(close(l.at(0.3), [0.6; 3]) && close(l.at(1.0), [2.0; 3]));
     }
 }

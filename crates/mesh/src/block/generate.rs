@@ -3,7 +3,7 @@
 use super::points::points;
 use super::topology::{Side, Topology, Walk};
 use super::{Block, BlockMesh, FACES};
-use crate::polymesh::{PolyMesh, PolyPatch, place, short};
+use crate::polymesh::{CellZone, PolyMesh, PolyPatch, place, short};
 use granflow_base::{Vec3, norm, sub};
 use granflow_dict::Diag;
 
@@ -83,6 +83,7 @@ pub(super) fn generate(mesh: &BlockMesh, topology: &Topology) -> Result<PolyMesh
     let mut poly = PolyMesh { points: kept, face_ptr: vec![0], ..PolyMesh::default() };
     cells.inner_faces(&mut poly);
     cells.patches(&mut poly);
+    cells.zones(&mut poly);
     Ok(poly)
 }
 
@@ -298,6 +299,20 @@ impl Cells<'_> {
                 len,
                 in_groups: vec![],
             });
+        }
+    }
+
+    /// Blocks of one zone name make one zone.
+    fn zones(&self, poly: &mut PolyMesh) {
+        for (b, block) in self.mesh.blocks.iter().enumerate() {
+            let Some(name) = &block.zone else { continue };
+            let cells = self.offsets.cell[b] as u32..self.offsets.cell[b + 1] as u32;
+            match poly.cell_zones.iter_mut().find(|z| z.name == *name) {
+                Some(zone) => zone.cells.extend(cells),
+                None => {
+                    poly.cell_zones.push(CellZone { name: name.clone(), cells: cells.collect() })
+                }
+            }
         }
     }
 

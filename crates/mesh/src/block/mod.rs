@@ -7,8 +7,12 @@
 mod curve;
 mod generate;
 mod grading;
+mod merge;
+mod names;
 mod points;
 mod read;
+mod read_edges;
+mod read_patches;
 mod topology;
 
 pub use curve::Curve;
@@ -32,10 +36,27 @@ pub struct BlockMesh {
     pub patches: Vec<BlockPatch>,
     /// Name and kind of the patch of all faces that no patch names.
     pub default_patch: (String, PatchKind),
+    /// Pairs of patches to be merged into inner faces, in their order.
+    pub merges: Vec<Merge>,
     /// Where the dictionary ends; diagnostics that concern the whole mesh point here.
     pub whole: Span,
     /// What is odd but does no harm.
     pub warnings: Vec<Diag>,
+}
+
+/// What to do instead of a projection.
+const HELP_PROJECT: &str = "projection onto surfaces is not supported: use arc, polyLine, spline or \
+                            BSpline edges, or import the mesh (`granflow mesh --from FILE`)";
+
+/// Two patches whose faces lie on each other without matching one to one.
+#[derive(Clone)]
+pub struct Merge {
+    /// Number of the patch whose points and edges count where both have some.
+    pub first: usize,
+    /// Number of the patch that is fitted to it.
+    pub second: usize,
+    /// Where the pair was written.
+    pub span: Span,
 }
 
 /// One block: a hexahedron divided into `cells[0] * cells[1] * cells[2]` cells.
@@ -114,7 +135,7 @@ impl BlockMesh {
     /// that do not fit each other, patches on faces inside the mesh.
     pub fn generate(&self) -> Result<PolyMesh, Vec<Diag>> {
         let topology = topology::connect(self)?;
-        generate::generate(self, &topology)
+        merge::merge(self, generate::generate(self, &topology)?)
     }
 }
 

@@ -2,11 +2,14 @@
 
 use super::curve::{Curve, passes};
 use super::grading::Section;
-use super::{Block, BlockMesh, BlockPatch, Edge, FACES};
-use crate::patch_kind::{read_kind, refusal, simple_kind};
+use super::names::Names;
+use super::read_edges::read_edge;
+use super::read_patches::{read_boundary, read_patches};
+use super::{Block, BlockMesh, HELP_PROJECT, Merge};
+use crate::patch_kind::read_kind;
 use crate::polymesh::PatchKind;
 use granflow_base::{Dims, Vec3, scale};
-use granflow_dict::{Diag, Dict, Reader, Severity, Sink, Span, Token, TokenReader, nearest};
+use granflow_dict::{Diag, Dict, Reader, Severity, Sink, Token, TokenReader, nearest};
 
 /// Reads a parsed `blockMeshDict`.
 ///
@@ -19,28 +22,29 @@ pub fn read(dict: &Dict) -> Result<BlockMesh, Vec<Diag>> {
     for flag in ["fastMerge", "mergeType", "checkFaceCorrespondence", "verbose", "namedVertices"] {
         r.ignore(flag);
     }
-    for refused in ["geometry", "mergePatchPairs"] {
-        refuse_unless_empty(&r, refused);
+    // Surfaces do no harm as long as nothing is projected onto them.
+    r.ignore("geometry");
+    if let Some(g) = r.opt_sub("geometry") {
+        g.ignore_all();
     }
-    let unit = if r.has("scale") {
-        r.ignore("convertToMeters");
-        r.opt_positive("scale", Dims::NONE, 1.0)
-    } else {
-        r.opt_positive("convertToMeters", Dims::NONE, 1.0)
-    };
-    let vertices: Vec<Vec3> = read_vertices(&r).into_iter().map(|v| scale(v, unit)).collect();
+    let key = if r.has("scale") { "scale" } else { "convertToMeters" };
+    r.ignore("convertToMeters");
+    let unit = r.opt_positive(key, Dims::NONE, 1.0) * r.opt_positive("prescale", Dims::NONE, 1.0);
+    let mut names = Names::default();
+    let vertices = read_vertices(&r, &mut names).into_iter().map(|v| scale(v, unit)).collect();
     let mut mesh = BlockMesh {
         vertices,
         blocks: Vec::new(),
         edges: Vec::new(),
         patches: Vec::new(),
         default_patch: ("defaultFaces".into(), PatchKind::Empty),
+        merges: Vec::new(),
         whole: dict.close.clone(),
         warnings: Vec::new(),
     };
     if let Some(mut list) = r.list("blocks") {
         while !list.is_empty() {
-            match read_block(&mut list) {
+            match read_block(&mut list, &mut names, mesh.blocks.len()) {
                 Some(b) => mesh.blocks.push(b),
                 // Out of step: what follows would only produce nonsense.
                 None => break,
@@ -49,14 +53,12 @@ pub fn read(dict: &Dict) -> Result<BlockMesh, Vec<Diag>> {
     }
     if let Some(mut list) = r.maybe_list("edges") {
         while !list.is_empty() {
-            let Some(edge) = read_edge(&mut list, unit) else { break };
+            let Some(edge) = read_edge(&mut list, &names, unit) else { break };
             mesh.edges.extend(edge);
         }
     }
-    if let Some(list) = r.maybe_list("faces")
-        && !list.is_empty()
-    {
-        list.error("projected faces are not supported", "here", None);
+    if let Some(mut list) = r.maybe_list("faces") {
+        projected_faces(&mut list);
     }
     if let Some(d) = r.opt_sub("defaultPatch") {
         d.opt_word("name", "defaultFaces").clone_into(&mut mesh.default_patch.0);
@@ -65,10 +67,11 @@ pub fn read(dict: &Dict) -> Result<BlockMesh, Vec<Diag>> {
         }
     }
     if r.has("boundary") {
-        read_boundary(&r, &mut mesh);
+        read_boundary(&r, &mut mesh, &names);
     } else if r.has("patches") {
-        read_patches(&r, &mut mesh);
+        read_patches(&r, &mut mesh, &names);
     }
+    read_merges(&r, &mut mesh);
     r.finish(Severity::Warning);
     if !sink.has_errors() {
         odd_edges(&mesh, &sink);
@@ -82,31 +85,45 @@ pub fn read(dict: &Dict) -> Result<BlockMesh, Vec<Diag>> {
     Ok(mesh)
 }
 
-fn refuse_unless_empty(r: &Reader<'_>, key: &str) {
-    let empty = match r.raw(key) {
-        None => match r.opt_sub(key) {
-            None => true,
-            Some(s) => {
-                let none = s.keys().is_empty();
-                s.ignore_all();
-                none
-            }
-        },
-        Some(tokens) => {
-            tokens.iter().all(|t| t.list().is_some_and(<[Token]>::is_empty) || t.label() == Some(0))
-        }
-    };
-    if !empty {
-        let help = if key == "mergePatchPairs" {
-            "divide the blocks so that their sides match one to one"
-        } else {
-            "use arc, polyLine or spline edges"
-        };
-        r.error_at_key(key, format!("`{key}` is not supported"), "here", Some(help));
+/// `faces ( project (vertices) surface .. )`: refused one by one.
+fn projected_faces(list: &mut TokenReader<'_>) {
+    while !list.is_empty() {
+        let start = list.here();
+        let word = list.word("`project`");
+        list.next();
+        list.next();
+        let what = format!("faces of type `{word}` are not supported");
+        list.error_at(&start.to(&list.last_span()), what, "this face", Some(HELP_PROJECT));
     }
 }
 
-fn read_vertices(r: &Reader<'_>) -> Vec<Vec3> {
+/// `mergePatchPairs ( (first second) .. )`.
+fn read_merges(r: &Reader<'_>, mesh: &mut BlockMesh) {
+    // An empty list may stand without brackets of its own, or be `0()`.
+    let Some(mut list) = r.maybe_list("mergePatchPairs") else { return };
+    while !list.is_empty() {
+        let at = list.here();
+        let Some(mut pair) = list.list("a pair of patches") else { return };
+        let mut patch = |what: &str| {
+            let here = pair.here();
+            let name = pair.word(what).to_owned();
+            let found = mesh.patches.iter().position(|p| p.name == name);
+            if found.is_none() && !name.is_empty() {
+                let near = nearest(&name, mesh.patches.iter().map(|p| p.name.as_str()));
+                let help = near.map(|n| format!("did you mean `{n}`?"));
+                let what = format!("there is no patch `{name}` to merge");
+                pair.error_at(&here, what, "not in `boundary`", help.as_deref());
+            }
+            found
+        };
+        let (first, second) = (patch("the first patch"), patch("the second patch"));
+        if let (Some(first), Some(second)) = (first, second) {
+            mesh.merges.push(Merge { first, second, span: at });
+        }
+    }
+}
+
+fn read_vertices(r: &Reader<'_>, names: &mut Names) -> Vec<Vec3> {
     let Some(tokens) = r.raw("vertices") else {
         r.error_here("`vertices` is missing", "", Some("list the corners of the blocks"));
         return Vec::new();
@@ -115,28 +132,39 @@ fn read_vertices(r: &Reader<'_>) -> Vec<Vec3> {
     if let Some(v) = list.and_then(Token::vectors) {
         return v;
     }
-    // One by one, to say which entry is odd.
+    // One by one: some have names, and what is odd is to be said.
     let Some(mut list) = r.list("vertices") else { return Vec::new() };
     let mut out = Vec::new();
     while !list.is_empty() {
-        if let Some(v) = list.opt_vector() {
-            out.push(v);
-            continue;
+        let start = list.here();
+        let Some(name) = Names::opening(&mut list) else { break };
+        if let Some(name) = name {
+            names.vertices.insert(name.to_owned(), out.len() as u32);
         }
-        let help = match list.peek().and_then(Token::word) {
-            Some("project") => Some("projection onto surfaces is not supported"),
-            Some("name") => Some("named vertices are not supported: use their numbers"),
-            _ => None,
+        let project = list.peek().and_then(Token::word) == Some("project");
+        if project {
+            list.next();
+        }
+        let Some(v) = list.opt_vector() else {
+            list.error("expected a vertex, three numbers in parentheses", "not a point", None);
+            break;
         };
-        list.error("expected a vertex, three numbers in parentheses", "not a point", help);
-        break;
+        out.push(v);
+        if project {
+            list.next();
+            let what = "vertices of type `project` are not supported";
+            list.error_at(&start.to(&list.last_span()), what, "this vertex", Some(HELP_PROJECT));
+        }
     }
     out
 }
 
 /// `hex (8 vertices) [zone] (3 cell counts) grading`.
-fn read_block(list: &mut TokenReader<'_>) -> Option<Block> {
+fn read_block(list: &mut TokenReader<'_>, names: &mut Names, number: usize) -> Option<Block> {
     let start = list.here();
+    if let Some(name) = Names::opening(list)? {
+        names.blocks.insert(name.to_owned(), number as u32);
+    }
     let shape = list.word("a block shape");
     if shape != "hex" {
         let what = format!("blocks of shape `{shape}` are not supported");
@@ -144,7 +172,7 @@ fn read_block(list: &mut TokenReader<'_>) -> Option<Block> {
         return None;
     }
     let at = list.here();
-    let vertices = indices(list, "the block's vertices")?;
+    let vertices = names.vertices(list, "the block's vertices")?;
     let Ok(vertices) = <[u32; 8]>::try_from(vertices.as_slice()) else {
         let what = format!("a hex has 8 vertices, found {}", vertices.len());
         list.error_at(&at, &what, "the vertices of this block", None);
@@ -166,22 +194,6 @@ fn read_block(list: &mut TokenReader<'_>) -> Option<Block> {
     let grading = read_grading(list)?;
     let span = start.to(&list.last_span());
     Some(Block { vertices, cells, grading, zone, span })
-}
-
-/// Non-negative whole numbers in parentheses.
-fn indices(list: &mut TokenReader<'_>, what: &str) -> Option<Vec<u32>> {
-    let at = list.here();
-    let labels = list.next().and_then(Token::labels);
-    let found = labels.and_then(|l| l.iter().map(|&v| u32::try_from(v).ok()).collect());
-    if found.is_none() {
-        list.error_at(
-            &at,
-            format!("expected {what}, vertex numbers in parentheses"),
-            "not a list of vertex numbers",
-            None,
-        );
-    }
-    found
 }
 
 fn read_grading(list: &mut TokenReader<'_>) -> Option<[Vec<Section>; 12]> {
@@ -240,128 +252,6 @@ fn section(t: &Token) -> Option<Section> {
         [length, cells, ratio] => Some(Section { length, cells, ratio: expansion(ratio) }),
         _ => None,
     }
-}
-
-/// `None`: out of step; `Some(None)`: a straight line, nothing to keep.
-fn read_edge(list: &mut TokenReader<'_>, unit: f64) -> Option<Option<Edge>> {
-    const KNOWN: [&str; 6] = ["arc", "line", "polyLine", "spline", "simpleSpline", "arc"];
-    let start = list.here();
-    let word = list.word("an edge type");
-    if !KNOWN.contains(&word) {
-        let help = nearest(word, KNOWN).map(|n| format!("did you mean `{n}`?"));
-        let what = format!("edges of type `{word}` are not supported");
-        list.error_at(&start, &what, "expected arc, line, polyLine or spline", help.as_deref());
-        return None;
-    }
-    let (a, b) = (list.label("the edge's first vertex"), list.label("the edge's second vertex"));
-    let (Ok(a), Ok(b)) = (u32::try_from(a), u32::try_from(b)) else {
-        list.error_at(&start, "vertex numbers cannot be negative", "this edge", None);
-        return None;
-    };
-    let curve = match word {
-        "line" => return Some(None),
-        "arc" => {
-            if list.peek().and_then(Token::number).is_some()
-                || list.peek().is_some_and(|t| t.word().is_some())
-            {
-                let help = "write `arc a b (x y z)` with a point the arc passes through";
-                list.error("this form of arc is not supported", "not a point", Some(help));
-                return None;
-            }
-            Curve::Arc(scale(list.vector("a point on the arc"), unit))
-        }
-        _ => {
-            let at = list.here();
-            let Some(points) = list.next().and_then(Token::vectors) else {
-                list.error_at(&at, "expected the points of the edge", "not a list of points", None);
-                return None;
-            };
-            let points = points.into_iter().map(|p| scale(p, unit)).collect();
-            if word == "polyLine" { Curve::PolyLine(points) } else { Curve::Spline(points) }
-        }
-    };
-    let span = start.to(&list.last_span());
-    Some(Some(Edge { ends: [a, b], curve, span }))
-}
-
-/// `boundary ( name { type ...; faces (...); } ... )`.
-fn read_boundary(r: &Reader<'_>, mesh: &mut BlockMesh) {
-    r.ignore("patches");
-    let Some(mut list) = r.list("boundary") else { return };
-    while !list.is_empty() {
-        let at = list.here();
-        let name = list.word("a patch name").to_owned();
-        let Some(p) = list.dict("the patch's entries") else { break };
-        let kind = read_kind(&p);
-        let in_groups =
-            p.maybe_words("inGroups").unwrap_or_default().iter().map(|&w| w.to_owned()).collect();
-        p.ignore("physicalType");
-        let mut faces = Vec::new();
-        if let Some(mut f) = p.list("faces") {
-            while !f.is_empty() {
-                let Some(face) = read_face(&mut f, mesh) else { break };
-                faces.push(face);
-            }
-        }
-        p.finish(Severity::Warning);
-        push_patch(mesh, BlockPatch { name, kind, faces, in_groups, span: at }, &list);
-    }
-}
-
-/// The old form: `patches ( type name ( faces ) ... )`.
-fn read_patches(r: &Reader<'_>, mesh: &mut BlockMesh) {
-    let Some(mut list) = r.list("patches") else { return };
-    while !list.is_empty() {
-        let at = list.here();
-        let word = list.word("a patch type");
-        let Some(kind) = simple_kind(word) else {
-            let help = if word == "cyclic" {
-                "name both halves in a `boundary` list".to_owned()
-            } else {
-                refusal(word)
-            };
-            let what = format!("patches of type `{word}` are not supported in the list `patches`");
-            list.error_at(&at, &what, "unknown patch type", Some(&help));
-            return;
-        };
-        let name = list.word("a patch name").to_owned();
-        let mut faces = Vec::new();
-        let Some(mut f) = list.list("the patch's faces") else { return };
-        while !f.is_empty() {
-            let Some(face) = read_face(&mut f, mesh) else { return };
-            faces.push(face);
-        }
-        let patch = BlockPatch { name, kind, faces, in_groups: Vec::new(), span: at };
-        push_patch(mesh, patch, &list);
-    }
-}
-
-fn push_patch(mesh: &mut BlockMesh, patch: BlockPatch, list: &TokenReader<'_>) {
-    if mesh.patches.iter().any(|p| p.name == patch.name) {
-        let what = format!("patch `{}` is given twice", patch.name);
-        list.error_at(&patch.span, &what, "the second one", None);
-    }
-    mesh.patches.push(patch);
-}
-
-/// Four vertices, or a block and one of its sides.
-fn read_face(list: &mut TokenReader<'_>, mesh: &BlockMesh) -> Option<([u32; 4], Span)> {
-    let at = list.here();
-    let v = indices(list, "a face")?;
-    let face = match v[..] {
-        [a, b, c, d] => Some([a, b, c, d]),
-        [a, b, c] => Some([a, b, c, c]),
-        [b, s] if (s as usize) < 6 => mesh.blocks.get(b as usize).map(|b| {
-            let sides = FACES[s as usize];
-            sides.map(|v| b.vertices[v])
-        }),
-        _ => None,
-    };
-    if face.is_none() {
-        let what = format!("a face has 4 vertices, found {}", v.len());
-        list.error_at(&at, &what, "this face", None);
-    }
-    face.map(|f| (f, at))
 }
 
 fn odd_edges(mesh: &BlockMesh, sink: &Sink) {

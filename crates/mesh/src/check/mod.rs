@@ -2,6 +2,7 @@
 
 mod quality;
 mod report;
+mod shape;
 mod topology;
 
 pub use report::{CellShapes, CheckReport, Finding, PatchSummary, Place, Quality, Severity};
@@ -9,6 +10,9 @@ pub use report::{CellShapes, CheckReport, Finding, PatchSummary, Place, Quality,
 use crate::geometry::Geometry;
 use crate::mesh::Mesh;
 use crate::polymesh::{MeshError, PolyMesh};
+
+/// Of a place whose cells [`Worst::add`] fills in, or that is a cell itself.
+const NO_CELLS: (Option<u32>, Option<u32>) = (None, None);
 
 /// How many places a finding lists.
 const LISTED: usize = 5;
@@ -29,6 +33,7 @@ pub fn check(poly: &PolyMesh) -> CheckReport {
     let links = poly.cell_faces();
     topology::check(poly, &g, &links, &mut report);
     quality::check(poly, &g, &links, &mut report);
+    shape::check(poly, &g, &links, &mut report);
     if let Err(e) = Mesh::new(poly) {
         let remedy = match e {
             // Already reported with all their places.
@@ -56,28 +61,44 @@ pub fn check(poly: &PolyMesh) -> CheckReport {
 struct Worst {
     count: usize,
     places: Vec<Place>,
+    cells: Vec<u32>,
 }
 
 impl Worst {
     fn new() -> Worst {
-        Worst { count: 0, places: Vec::new() }
+        Worst { count: 0, places: Vec::new(), cells: Vec::new() }
     }
-    /// Keeps the greatest values.
-    fn add(&mut self, place: Place) {
+    /// Keeps the greatest values, and all the cells that have the fault.
+    fn add(&mut self, mut place: Place, cells: &[u32]) {
+        if place.what == "face" {
+            place.cells = (cells.first().copied(), cells.get(1).copied());
+        }
         self.count += 1;
+        self.cells.extend_from_slice(cells);
         let at = self.places.partition_point(|p| p.value >= place.value);
         if at < LISTED {
             self.places.insert(at, place);
             self.places.truncate(LISTED);
         }
     }
-    fn report(self, report: &mut CheckReport, severity: Severity, what: &str, remedy: &str) {
+    fn report(
+        mut self,
+        report: &mut CheckReport,
+        name: &'static str,
+        severity: Severity,
+        what: &str,
+        remedy: &str,
+    ) {
+        self.cells.sort_unstable();
+        self.cells.dedup();
         if self.count > 0 {
             report.findings.push(Finding {
+                name,
                 severity,
                 message: format!("{what}: {}", self.count),
                 count: self.count,
                 places: self.places,
+                cells: self.cells,
                 remedy: remedy.into(),
             });
         }

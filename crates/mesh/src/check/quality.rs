@@ -1,7 +1,7 @@
 //! Checks of volumes, areas and angles.
 
-use super::Worst;
 use super::report::{CheckReport, Place, Severity};
+use super::{NO_CELLS, Worst};
 use crate::geometry::Geometry;
 use crate::polymesh::{PatchKind, PolyMesh};
 use granflow_base::{Vec3, add, dot, norm, scale, sub, unit};
@@ -38,8 +38,13 @@ fn bounds(poly: &PolyMesh, report: &mut CheckReport) {
 }
 
 fn cells(poly: &PolyMesh, g: &Geometry, ptr: &[u32], links: &[u32], report: &mut CheckReport) {
-    let place =
-        |c: usize, value: f64| Place { what: "cell", index: c, at: g.cell_centre[c], value };
+    let place = |c: usize, value: f64| Place {
+        what: "cell",
+        index: c,
+        at: g.cell_centre[c],
+        value,
+        cells: NO_CELLS,
+    };
     // Directions that an empty patch takes out do not count towards the aspect ratio.
     let mut flat = [0.0; 3];
     for f in poly.patches.iter().filter(|p| p.kind == PatchKind::Empty).flat_map(|p| p.faces()) {
@@ -64,12 +69,12 @@ fn cells(poly: &PolyMesh, g: &Geometry, ptr: &[u32], links: &[u32], report: &mut
         let v = g.volume[c];
         if v.is_nan() || v <= 0.0 {
             // Worst is greatest: the most negative comes first.
-            inverted.add(place(c, -v));
+            inverted.add(place(c, -v), &[c as u32]);
         }
         let openness = norm(sum) / surface.max(f64::MIN_POSITIVE);
         q.max_openness = q.max_openness.max(openness);
         if openness > 1e-6 {
-            open.add(place(c, openness));
+            open.add(place(c, openness), &[c as u32]);
         }
         let used = || (0..3).filter(|&d| solved[d]).map(|d| sides[d]);
         let (lo, hi) = (used().fold(f64::INFINITY, f64::min), used().fold(0.0, f64::max));
@@ -80,7 +85,7 @@ fn cells(poly: &PolyMesh, g: &Geometry, ptr: &[u32], links: &[u32], report: &mut
         }
         q.max_aspect = q.max_aspect.max(aspect);
         if aspect > THIN {
-            thin.add(place(c, aspect));
+            thin.add(place(c, aspect), &[c as u32]);
         }
     }
     for p in &mut inverted.places {
@@ -88,18 +93,21 @@ fn cells(poly: &PolyMesh, g: &Geometry, ptr: &[u32], links: &[u32], report: &mut
     }
     inverted.report(
         report,
+        "volume",
         Severity::Error,
         "cells of no or negative volume (m3)",
         "the block or its vertices are inside out, or points have crossed over",
     );
     open.report(
         report,
+        "openCell",
         Severity::Error,
         "cells with an open surface (sum of area vectors relative to the surface)",
         "faces are missing or turn the wrong way: make the mesh again",
     );
     thin.report(
         report,
+        "aspectRatio",
         Severity::Warning,
         "very elongated cells (aspect ratio)",
         "fewer cells or a weaker grading along the short direction",
@@ -107,8 +115,13 @@ fn cells(poly: &PolyMesh, g: &Geometry, ptr: &[u32], links: &[u32], report: &mut
 }
 
 fn faces(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
-    let place =
-        |f: usize, value: f64| Place { what: "face", index: f, at: g.face_centre[f], value };
+    let place = |f: usize, value: f64| Place {
+        what: "face",
+        index: f,
+        at: g.face_centre[f],
+        value,
+        cells: NO_CELLS,
+    };
     let n_inner = poly.n_inner();
     let q = &mut report.quality;
     q.area = [f64::INFINITY, 0.0];
@@ -127,12 +140,12 @@ fn faces(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
         let size = poly.face(f).iter().map(|&p| norm(sub(poly.points[p as usize], centre)));
         let size = size.fold(0.0, f64::max);
         if mag.is_nan() || mag <= 1e-12 * size * size {
-            null.add(place(f, mag));
+            null.add(place(f, mag), &poly.cells_of(f));
             continue;
         }
         let bulge = reach(normal) / size;
         if bulge > 0.3 {
-            warped.add(place(f, bulge));
+            warped.add(place(f, bulge), &poly.cells_of(f));
         }
         let o = g.cell_centre[poly.owner[f] as usize];
         let delta = match poly.neighbour.get(f) {
@@ -145,58 +158,71 @@ fn faces(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
             total_angle += angle;
             q.max_nonorth_deg = q.max_nonorth_deg.max(angle);
             if angle.is_nan() || angle >= 90.0 {
-                backward.add(place(f, angle));
+                backward.add(place(f, angle), &poly.cells_of(f));
             } else if angle > STEEP {
-                steep.add(place(f, angle));
+                steep.add(place(f, angle), &poly.cells_of(f));
             }
             let v = [poly.owner[f], poly.neighbour[f]].map(|c| g.volume[c as usize]);
             let ratio = v[0].max(v[1]) / v[0].min(v[1]).max(f64::MIN_POSITIVE);
             if v[0] > 0.0 && v[1] > 0.0 {
                 q.max_volume_ratio = q.max_volume_ratio.max(ratio);
                 if ratio > JUMP {
-                    jump.add(place(f, ratio));
+                    jump.add(place(f, ratio), &poly.cells_of(f));
                 }
             }
         }
         if across > 0.0 {
             let pierced = add(o, scale(delta, dot(normal, sub(centre, o)) / across));
             let off = sub(centre, pierced);
-            let scale_of = (0.2 * norm(delta)).max(reach(unit(off)));
+            // Across the boundary lies the cell's mirror image.
+            let span = if f < n_inner { norm(delta) } else { 2.0 * norm(delta) };
+            let scale_of = (0.2 * span).max(reach(unit(off)));
             let skewness = norm(off) / scale_of;
             q.max_skewness = q.max_skewness.max(skewness);
             if skewness > SKEW {
-                skewed.add(place(f, skewness));
+                skewed.add(place(f, skewness), &poly.cells_of(f));
             }
         }
     }
     q.mean_nonorth_deg = total_angle / n_inner.max(1) as f64;
-    null.report(report, Severity::Error, "faces without area (m2)", "merge their points");
+    null.report(
+        report,
+        "faceArea",
+        Severity::Error,
+        "faces without area (m2)",
+        "merge their points",
+    );
     backward.report(
         report,
+        "overlap",
         Severity::Error,
         "faces that do not separate the centres of their cells (angle, degrees)",
         "cells overlap or are badly distorted there: smooth or coarsen the mesh",
     );
     steep.report(
         report,
+        "nonOrthogonality",
         Severity::Warning,
         "steeply non-orthogonal faces (angle, degrees)",
         "use `limited 0.5` for snGradSchemes and laplacianSchemes, and 1 or 2 nNonOrthogonalCorrectors",
     );
     skewed.report(
         report,
+        "skewness",
         Severity::Warning,
         "badly skewed faces (distance off the line of centres, in face sizes)",
         "make neighbouring cells more alike; accuracy suffers there",
     );
     jump.report(
         report,
+        "volumeRatio",
         Severity::Warning,
         "faces between cells of very different size (ratio of volumes)",
         "a gentler grading: neighbours should not differ by more than 20 %",
     );
     warped.report(
         report,
+        "warpage",
         Severity::Warning,
         "warped faces (departure from their plane, relative to their size)",
         "straighten the edges or split the faces",

@@ -77,6 +77,8 @@ pub struct Quality {
     pub max_volume_ratio: f64,
     /// Greatest sum of a cell's area vectors, relative to its surface; 0 when closed.
     pub max_openness: f64,
+    /// Size of the sum of the boundary's area vectors, relative to its surface; 0 when closed.
+    pub boundary_openness: f64,
 }
 
 /// How bad a finding is.
@@ -93,6 +95,8 @@ pub enum Severity {
 /// One kind of fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
+    /// A word for it.
+    pub name: &'static str,
     /// How bad it is.
     pub severity: Severity,
     /// What is wrong.
@@ -101,6 +105,8 @@ pub struct Finding {
     pub count: usize,
     /// The worst of them.
     pub places: Vec<Place>,
+    /// All cells that have it, ascending; of a face, those on its sides.
+    pub cells: Vec<u32>,
     /// What to do about it.
     pub remedy: String,
 }
@@ -116,15 +122,33 @@ pub struct Place {
     pub at: Vec3,
     /// How bad it is there, in the units of the finding.
     pub value: f64,
+    /// Of a face, the cells on its sides: the owner and, inside the mesh, the neighbour.
+    pub cells: (Option<u32>, Option<u32>),
 }
 
 impl Finding {
     pub(super) fn whole(severity: Severity, message: String, remedy: &str) -> Finding {
-        Finding { severity, message, count: 0, places: Vec::new(), remedy: remedy.into() }
+        Finding {
+            name: "mesh",
+            severity,
+            message,
+            count: 0,
+            places: Vec::new(),
+            cells: Vec::new(),
+            remedy: remedy.into(),
+        }
     }
 }
 
 impl CheckReport {
+    /// Cells that a warning or an error names, ascending.
+    pub fn bad_cells(&self) -> Vec<u32> {
+        let bad = self.findings.iter().filter(|f| f.severity >= Severity::Warning);
+        let mut cells: Vec<u32> = bad.flat_map(|f| f.cells.iter().copied()).collect();
+        cells.sort_unstable();
+        cells.dedup();
+        cells
+    }
     /// Whether the mesh can be used: no finding is an error.
     pub fn ok(&self) -> bool {
         self.findings.iter().all(|f| f.severity < Severity::Error)
@@ -195,7 +219,13 @@ impl fmt::Display for Finding {
         };
         write!(f, "{word}: {}", self.message)?;
         for p in &self.places {
-            write!(f, "\n  {} {} at {}: {}", p.what, p.index, place(p.at), short(p.value))?;
+            write!(f, "\n  {} {}", p.what, p.index)?;
+            match p.cells {
+                (Some(a), Some(b)) => write!(f, " between cells {a} and {b}")?,
+                (Some(a), None) => write!(f, " of cell {a}")?,
+                _ => {}
+            }
+            write!(f, " at {}: {}", place(p.at), short(p.value))?;
         }
         if self.count > self.places.len() {
             write!(f, "\n  and {} more", self.count - self.places.len())?;

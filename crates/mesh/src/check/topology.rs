@@ -1,7 +1,7 @@
 //! Checks that need no coordinates (they only say where).
 
-use super::Worst;
 use super::report::{CellShapes, CheckReport, Finding, PatchSummary, Place, Severity};
+use super::{NO_CELLS, Worst};
 use crate::geometry::Geometry;
 use crate::polymesh::{PatchKind, PolyMesh};
 use granflow_base::norm;
@@ -27,17 +27,27 @@ pub(super) fn check(
         })
         .collect();
     let cell = |c: usize| &links[ptr[c] as usize..ptr[c + 1] as usize];
-    let at_cell =
-        |c: usize, value: f64| Place { what: "cell", index: c, at: g.cell_centre[c], value };
-    let at_face =
-        |f: usize, value: f64| Place { what: "face", index: f, at: g.face_centre[f], value };
+    let at_cell = |c: usize, value: f64| Place {
+        what: "cell",
+        index: c,
+        at: g.cell_centre[c],
+        value,
+        cells: NO_CELLS,
+    };
+    let at_face = |f: usize, value: f64| Place {
+        what: "face",
+        index: f,
+        at: g.face_centre[f],
+        value,
+        cells: NO_CELLS,
+    };
 
     let (mut few, mut open) = (Worst::new(), Worst::new());
     let mut edges: Vec<(u32, u32)> = Vec::new();
     for c in 0..report.cells {
         count_shape(poly, cell(c), &mut report.shapes);
         if cell(c).len() < 4 {
-            few.add(at_cell(c, cell(c).len() as f64));
+            few.add(at_cell(c, cell(c).len() as f64), &[c as u32]);
         }
         // In a closed surface whose faces all turn outwards every edge runs once each way.
         edges.clear();
@@ -52,12 +62,19 @@ pub(super) fn check(
         let lonely = edges.iter().filter(|&&(a, b)| edges.binary_search(&(b, a)).is_err()).count();
         let double = edges.windows(2).filter(|w| w[0] == w[1]).count();
         if lonely + double > 0 {
-            open.add(at_cell(c, (lonely + double) as f64));
+            open.add(at_cell(c, (lonely + double) as f64), &[c as u32]);
         }
     }
-    few.report(report, Severity::Error, "cells with fewer than 4 faces", "make the mesh again");
+    few.report(
+        report,
+        "fewFaces",
+        Severity::Error,
+        "cells with fewer than 4 faces",
+        "make the mesh again",
+    );
     open.report(
         report,
+        "notClosed",
         Severity::Error,
         "cells that are not closed, or have faces that turn the wrong way (edges that do not pair up)",
         "the points of a face must turn counter-clockwise seen from the neighbour or from outside",
@@ -69,18 +86,33 @@ pub(super) fn check(
         ring.sort_unstable();
         let n = ring.windows(2).filter(|w| w[0] == w[1]).count();
         if n > 0 {
-            repeated.add(at_face(f, n as f64));
+            repeated.add(at_face(f, n as f64), &poly.cells_of(f));
         }
     }
-    repeated.report(report, Severity::Error, "faces that use a point twice", "make the mesh again");
+    repeated.report(
+        report,
+        "repeatedPoint",
+        Severity::Error,
+        "faces that use a point twice",
+        "make the mesh again",
+    );
 
     let mut used = vec![false; poly.points.len()];
     poly.face_points.iter().for_each(|&p| used[p as usize] = true);
     let mut unused = Worst::new();
     for p in (0..used.len()).filter(|&p| !used[p]) {
-        unused.add(Place { what: "point", index: p, at: poly.points[p], value: 0.0 });
+        unused.add(
+            Place { what: "point", index: p, at: poly.points[p], value: 0.0, cells: NO_CELLS },
+            &[],
+        );
     }
-    unused.report(report, Severity::Note, "points that belong to no face", "they do no harm");
+    unused.report(
+        report,
+        "unusedPoint",
+        Severity::Note,
+        "points that belong to no face",
+        "they do no harm",
+    );
 
     order(poly, report);
     empty_patches(poly, report);
