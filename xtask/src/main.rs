@@ -1,4 +1,4 @@
-//! The project's one task runner: `cargo xtask ci|bench|compare|docs|validate`.
+//! The project's one task runner: `cargo xtask ci|bench|compare|docs|parseExamples|validate`.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a task runner talks to a person")]
 
@@ -8,6 +8,7 @@ mod compare;
 mod docs;
 mod foam_field;
 mod links;
+mod parse_examples;
 mod race;
 mod run;
 mod steady;
@@ -31,6 +32,8 @@ usage: cargo xtask TASK [OPTIONS]
         [--again]         only compares what the last runs left
         [--examples DIR]  where they are; Debian's place by default
         [--granflow PATH] the program to run; built in release mode by default
+  parseExamples [DIR]     every file with a FoamFile header below DIR, OpenFOAM's examples by default,
+                          through the parser: parsed, refused by name, failed
   validate [NAME ...]     the catalogue of cases at full resolution against its references";
 
 fn main() -> ExitCode {
@@ -41,6 +44,7 @@ fn main() -> ExitCode {
         "compare" => compare::task(rest),
         "docs" => docs::task(rest),
         "bench" => bench::task(rest),
+        "parseExamples" => parse_examples::task(rest),
         "validate" => validate::task(rest),
         "" | "help" | "-h" | "--help" => {
             println!("{USAGE}");
