@@ -2,7 +2,9 @@
 
 use crate::config::{ReferenceCell, StartFrom};
 use crate::restart::{WholeState, start_dir};
-use crate::{CaseConfig, CaseError, Notices, WaveTable, figures, meshing, set_fields};
+use crate::{
+    CaseConfig, CaseError, Notices, WaveTable, figures, meshing, sense, set_fields, strays,
+};
 use granflow_base::{Tensor, Vec3, dot, norm, scale, sub, unit};
 use granflow_dict::{Diag, Sink, number};
 use granflow_flow::Gravity;
@@ -115,6 +117,7 @@ impl Case {
         let said = options.from.is_none().then_some(&config.control.start_span);
         let dir = start_dir(root, from, said, sink)?;
         let start = WholeState::read(root, &dir, &config, &poly, sink)?;
+        strays::check(root, &dir, &config, sink)?;
         for f in &config.functions {
             f.plan.check(&mesh, &config, sink);
         }
@@ -143,6 +146,9 @@ impl Case {
             end,
         };
         case.reference = case.find_reference(sink);
+        if !sink.has_errors() {
+            sense::check(&case, sink);
+        }
         if sink.has_errors() {
             return Err(CaseError::Invalid);
         }

@@ -1,0 +1,125 @@
+//! Files of a case that nothing reads, and names that are likely misspelt.
+
+use crate::store::{Operation, StoreError};
+use crate::{CaseConfig, files};
+use granflow_dict::{Diag, Severity, Sink, nearest};
+use std::io;
+use std::path::Path;
+
+const SYSTEM: &[&str] = &[
+    "controlDict",
+    "fvSchemes",
+    "fvSolution",
+    "blockMeshDict",
+    "setFieldsDict",
+    "setAlphaFieldDict",
+    "plotDict",
+    "sweepDict",
+    "fitDict",
+    // Of mapFields and of runs in parts, which are mentioned or need none here.
+    "mapFieldsDict",
+    "decomposeParDict",
+];
+const CONSTANT: &[&str] = &[
+    "transportProperties",
+    "physicalProperties",
+    "g",
+    "hRef",
+    "waveProperties",
+    "turbulenceProperties",
+    "momentumTransport",
+    "RASProperties",
+    "LESProperties",
+    "dynamicMeshDict",
+    "fvOptions",
+    "fvModels",
+    "fvConstraints",
+    "MRFProperties",
+    "SRFProperties",
+];
+
+/// Files of `system`, `constant` and the start time that nothing reads, as paths in the case.
+///
+/// # Errors
+/// A directory cannot be read.
+pub fn unread(root: &Path, time: &str, config: &CaseConfig) -> Result<Vec<String>, StoreError> {
+    let mut out = Vec::new();
+    for (folder, known) in places(time, config) {
+        for name in names(root, &folder)? {
+            // A field that setFields or a script makes another of.
+            let stem = name.trim_end_matches(".orig");
+            if !known.iter().any(|k| k == stem) {
+                out.push(format!("{folder}/{name}"));
+            }
+        }
+    }
+    Ok(out)
+}
+
+/// Warns of unread files whose name is nearly that of one that is missing.
+///
+/// # Errors
+/// A directory cannot be read.
+pub(crate) fn check(
+    root: &Path,
+    time: &str,
+    config: &CaseConfig,
+    sink: &Sink,
+) -> Result<(), StoreError> {
+    for (folder, known) in places(time, config) {
+        for name in names(root, &folder)?.iter().filter(|n| !known.contains(n)) {
+            let missing = |k: &&String| !files::exists(root, &format!("{folder}/{k}"));
+            let near = nearest(name, known.iter().filter(missing).map(String::as_str));
+            // One letter is near any other.
+            let Some(near) = near.filter(|n| n.len() > 1 || n.eq_ignore_ascii_case(name)) else {
+                continue;
+            };
+            let path = root.join(&folder).join(name).display().to_string();
+            let d = Diag::file(path, "nothing reads this file");
+            let help = format!("did you mean `{near}`, which the case does not have?");
+            sink.push(Diag { severity: Severity::Warning, ..d }.help(help));
+        }
+    }
+    Ok(())
+}
+
+/// Folders, and the names that are read in each.
+fn places(time: &str, config: &CaseConfig) -> [(String, Vec<String>); 3] {
+    let owned = |names: &[&str]| names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>();
+    let mut fields = owned(&["U", config.pressure(), "phi", "phi_0", "U_0"]);
+    if config.transport.has_fluidity {
+        fields.push("fluidity".into());
+    }
+    if let Some(two) = &config.transport.second {
+        fields.push(two.alpha());
+    }
+    // What a run writes beside its state.
+    fields.extend(owned(&["p", "strainRate", "stressRatio", "inertialNumber", "viscosity"]));
+    [
+        ("system".into(), owned(SYSTEM)),
+        ("constant".into(), owned(CONSTANT)),
+        (time.to_owned(), fields),
+    ]
+}
+
+/// Names of the plain files of a folder, without `.gz`, in order; none when there is no folder.
+fn names(root: &Path, folder: &str) -> Result<Vec<String>, StoreError> {
+    let dir = root.join(folder);
+    let failed = |e: io::Error| StoreError::new(Operation::Read, dir.clone(), e);
+    let entries = match std::fs::read_dir(&dir) {
+        Ok(entries) => entries,
+        Err(e) if e.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(e) => return Err(failed(e)),
+    };
+    let mut out = Vec::new();
+    for entry in entries {
+        let entry = entry.map_err(failed)?;
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let hidden = name.starts_with('.') || name.ends_with('~');
+        if entry.path().is_file() && !hidden {
+            out.push(name.trim_end_matches(".gz").to_owned());
+        }
+    }
+    out.sort();
+    Ok(out)
+}
