@@ -2,7 +2,7 @@
 
 use crate::store::{Operation, StoreError};
 use crate::{CaseConfig, files};
-use granflow_dict::{Diag, Severity, Sink, nearest};
+use granflow_dict::{Diag, Severity, Sink};
 use std::io;
 use std::path::Path;
 
@@ -69,9 +69,7 @@ pub(crate) fn check(
     for (folder, known) in places(time, config) {
         for name in names(root, &folder)?.iter().filter(|n| !known.contains(n)) {
             let missing = |k: &&String| !files::exists(root, &format!("{folder}/{k}"));
-            let near = nearest(name, known.iter().filter(missing).map(String::as_str));
-            // One letter is near any other.
-            let Some(near) = near.filter(|n| n.len() > 1 || n.eq_ignore_ascii_case(name)) else {
+            let Some(near) = known.iter().filter(missing).find(|k| one_slip(name, k)) else {
                 continue;
             };
             let path = root.join(&folder).join(name).display().to_string();
@@ -81,6 +79,22 @@ pub(crate) fn check(
         }
     }
     Ok(())
+}
+
+/// Whether two names differ by case alone, or by one letter that is another, missing, too many or
+/// swapped with its neighbour. Files of other programs are not far from ours, so no more may differ.
+fn one_slip(a: &str, b: &str) -> bool {
+    let [a, b] = [a, b].map(|s| s.to_lowercase().into_bytes());
+    let start = a.iter().zip(&b).take_while(|(x, y)| x == y).count();
+    let (a, b) = (&a[start..], &b[start..]);
+    let end = a.iter().rev().zip(b.iter().rev()).take_while(|(x, y)| x == y).count();
+    match (&a[..a.len() - end], &b[..b.len() - end]) {
+        // One letter is near any other.
+        ([_], [_]) => start + end > 0,
+        ([], [] | [_]) | ([_], []) => true,
+        ([x, y], [u, v]) => (x, y) == (v, u),
+        _ => false,
+    }
 }
 
 /// Folders, and the names that are read in each.
@@ -122,4 +136,25 @@ fn names(root: &Path, folder: &str) -> Result<Vec<String>, StoreError> {
     }
     out.sort();
     Ok(out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::one_slip;
+
+    #[test]
+    fn one_slip_and_no_more() {
+        for (a, b) in [
+            ("fvsolution", "fvSolution"),
+            ("fvSolutions", "fvSolution"),
+            ("fvSoltuion", "fvSolution"),
+            ("alpha.watr", "alpha.water"),
+            ("G", "g"),
+        ] {
+            assert!(one_slip(a, b) && one_slip(b, a), "{a} {b}");
+        }
+        for (a, b) in [("T", "U"), ("topoSetDict", "plotDict"), ("alpha.grains", "alpha.air")] {
+            assert!(!one_slip(a, b), "{a} {b}");
+        }
+    }
 }

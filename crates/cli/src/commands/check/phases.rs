@@ -29,7 +29,7 @@ pub(super) fn say(case: &Case, page: &mut Page) {
         page.say("grains", text);
         let filled = transport.rho / g.rho_s;
         // Equal ones are a case without units.
-        if filled > 1.0 || filled < 0.3 {
+        if !(0.3..=1.0).contains(&filled) {
             page.warn(format!(
                 "rho is that of grains and gaps together: {} of a grain's density, where packings \
                  have about 0.55 to 0.64",
