@@ -124,3 +124,14 @@ fn steps_that_are_too_long() {
         "{out}"
     );
 }
+
+#[test]
+fn the_interface_must_not_skip_cells() {
+    let control = "system/controlDict";
+    let case = dam().edit(control, "maxCo           0.5;", "maxCo           5;");
+    let (_, out, _) = check(&case);
+    assert!(!out.contains("\nwarning "), "{out}");
+    let case = case.edit(control, "maxAlphaCo      0.5;", "maxAlphaCo      5;");
+    let (_, out, _) = check(&case);
+    assert!(out.contains("warning            the interface skips cells"), "{out}");
+}

@@ -35,7 +35,7 @@ pub(super) fn say(case: &Case, outlook: &Outlook, page: &mut Page) {
         );
         let explicit = case.config.transport.second.is_some()
             || (case.config.transport.grains.is_none() && case.config.solution.outer == 1);
-        if explicit && control.adjust.is_none() && courant > 1.0 {
+        if explicit && control.adjust.is_none() && courant > 1.001 {
             page.warn(
                 "that is more than 1: PISO and the interface become inaccurate or unstable; shorten \
                  deltaT, or write `adjustTimeStep yes; maxCo 0.5;`",
@@ -54,8 +54,10 @@ pub(super) fn say(case: &Case, outlook: &Outlook, page: &mut Page) {
             text += &format!(", to {} s at most", number(a.max_dt));
         }
         page.say("adjusted", text);
-        if a.max_co > 1.0 && case.config.transport.second.is_some() {
-            page.warn("with two phases a Courant number above 1 is not sound: maxCo 0.5 or less");
+        if a.max_co.min(a.max_alpha_co) > 1.0 && case.config.transport.second.is_some() {
+            page.warn(
+                "the interface skips cells at a Courant number above 1: write maxAlphaCo 0.5",
+            );
         }
     }
     if let Some(limit) = capillary(case, outlook) {
