@@ -43,17 +43,29 @@ const CONSTANT: &[&str] = &[
 /// # Errors
 /// A directory cannot be read.
 pub fn unread(root: &Path, time: &str, config: &CaseConfig) -> Result<Vec<String>, StoreError> {
-    let mut out = Vec::new();
+    let (mut out, mut includes) = (Vec::new(), String::new());
     for (folder, known) in places(time, config) {
         for name in names(root, &folder)? {
+            let path = format!("{folder}/{name}");
+            includes += &include_lines(root, &path)?;
             // A field that setFields or a script makes another of.
             let stem = name.trim_end_matches(".orig");
             if !known.iter().any(|k| k == stem) {
-                out.push(format!("{folder}/{name}"));
+                out.push((path, name));
             }
         }
     }
-    Ok(out)
+    out.retain(|(_, name)| !includes.contains(name.as_str()));
+    Ok(out.into_iter().map(|(path, _)| path).collect())
+}
+
+/// The lines of a file that include others.
+fn include_lines(root: &Path, path: &str) -> Result<String, StoreError> {
+    let Some(src) = files::source(root, path)? else { return Ok(String::new()) };
+    // They stand before or between values, not among a field's numbers.
+    const HEAD: usize = 100_000;
+    let text = String::from_utf8_lossy(&src.text[..src.text.len().min(HEAD)]);
+    Ok(text.lines().filter(|l| l.contains("#include") || l.contains("#sinclude")).collect())
 }
 
 /// Warns of unread files whose name is nearly that of one that is missing.

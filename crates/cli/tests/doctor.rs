@@ -84,6 +84,13 @@ fn files_with_nearly_the_right_name() {
     assert!(err.contains("did you mean `fvSolution`, which the case does not have?"), "{err}");
     assert!(out.contains("not read           system/fvsolution, 0/T"), "{out}");
     assert!(out.contains("fvSolution         the case has none: defaults"), "{out}");
+    let included = cavity()
+        .edit("system/controlDict", "application ", "#include \"more\"\napplication ")
+        .write("system/more", "purgeWrite 0;\n");
+    let (_, out, err) = check(&included);
+    assert!(err.is_empty() && !out.contains("not read"), "{out}\n{err}");
+    let case = cavity().rename("system/fvSolution", "system/fvsolution").write("0/T", "");
+    let (_, out, _) = check(&case);
     // The other one is of the few cells.
     assert!(out.contains("\n2 warnings\n"), "{out}");
     let case = cavity().edit("system/fvSchemes", "div(phi,U)", "default Gauss upwind; div(phi,u)");
