@@ -1,4 +1,4 @@
-//! The project's one task runner: `cargo xtask ci|bench|compare|docs|validate`.
+//! The project's one task runner: `cargo xtask ci|bench|compare|docs|parseExamples|validate`.
 
 #![expect(clippy::print_stdout, clippy::print_stderr, reason = "a task runner talks to a person")]
 
@@ -10,6 +10,7 @@ mod foam_field;
 mod laminar;
 mod links;
 mod meshes;
+mod parse_examples;
 mod race;
 mod run;
 mod steady;
@@ -38,6 +39,8 @@ usage: cargo xtask TASK [OPTIONS]
                           and m4
         [--examples DIR]  where they are; Debian's place by default
         [--granflow PATH] the program to run; built in release mode by default
+  parseExamples [DIR]     every file with a FoamFile header below DIR, OpenFOAM's examples by default,
+                          through the parser: parsed, refused by name, failed
   validate [NAME ...]     the catalogue of cases at full resolution against its references";
 
 fn main() -> ExitCode {
@@ -49,6 +52,7 @@ fn main() -> ExitCode {
         "compareMeshes" => meshes::task(rest),
         "docs" => docs::task(rest),
         "bench" => bench::task(rest),
+        "parseExamples" => parse_examples::task(rest),
         "validate" => validate::task(rest),
         "" | "help" | "-h" | "--help" => {
             println!("{USAGE}");

@@ -4,7 +4,7 @@ use crate::collect::tidy;
 use crate::config::{ReferenceCell, StartFrom};
 use crate::restart::{WholeState, start_dir};
 use crate::{CaseConfig, CaseError, Notices, WaveTable, Zones, config, figures, files};
-use crate::{meshing, set_fields};
+use crate::{meshing, sense, set_fields, strays};
 use granflow_base::{Dims, Tensor, Vec3, dot, norm, scale, sub, unit};
 use granflow_dict::{Diag, Reader, Sink, number};
 use granflow_flow::{Gravity, Source};
@@ -119,6 +119,7 @@ impl Case {
         let said = options.from.is_none().then_some(&config.control.start_span);
         let dir = start_dir(root, from, said, sink)?;
         let start = WholeState::read(root, &dir, &config, &poly, sink)?;
+        strays::check(root, &dir, &config, sink)?;
         for f in &config.functions {
             f.plan.check(&mesh, &config, sink);
         }
@@ -149,6 +150,9 @@ impl Case {
             end,
         };
         case.reference = case.find_reference(sink);
+        if !sink.has_errors() {
+            sense::check(&case, sink);
+        }
         if sink.has_errors() {
             return Err(CaseError::Invalid);
         }

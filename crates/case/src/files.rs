@@ -26,6 +26,9 @@ impl Files for DiskFiles {
     fn case_root(&self) -> String {
         self.root.display().to_string()
     }
+    fn variable(&self, name: &str) -> Option<String> {
+        std::env::var(name).ok()
+    }
 }
 
 /// The bytes of `path`, or of `path.gz` when only that exists, unpacked.

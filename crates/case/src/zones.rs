@@ -23,8 +23,16 @@ impl Zones {
     ///
     /// # Errors
     /// A file is there and cannot be read.
-    pub fn read(root: &Path, _: &PolyMesh, mesh: &Mesh, sink: &Sink) -> Result<Zones, CaseError> {
+    pub fn read(
+        root: &Path,
+        poly: &PolyMesh,
+        mesh: &Mesh,
+        sink: &Sink,
+    ) -> Result<Zones, CaseError> {
         let mut zones = Zones::default();
+        for zone in &poly.cell_zones {
+            zones.0.insert(zone.name.clone(), zone.cells.clone());
+        }
         if let Some(source) = files::source(root, FILE)? {
             zones.read_file(source, mesh.n_cells, sink);
         }

@@ -15,7 +15,6 @@
 pub mod args;
 mod catalogue;
 mod commands;
-mod estimate;
 mod failure;
 mod output;
 mod progress;

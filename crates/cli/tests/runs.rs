@@ -108,6 +108,8 @@ fn check_tells_what_a_run_would_meet() {
         "speed              0.0102 m/s at patch inner",
         "cells a grain      0.5 at the finest, 0.5 at the coarsest",
         "pressure           75 Pa at the start",
+        "pressure level     75 in cell 0 (pRefValue)",
+        "== Time step",
         "the case can be run",
     ] {
         assert!(said.lines().any(|l| l == line), "{line}\n is not in\n{said}");

@@ -2,10 +2,11 @@
 
 use crate::arith;
 use crate::diag::Diag;
+use crate::environment;
 use crate::nearest;
 use crate::parse::{Cursor, Parser};
 use crate::source::Span;
-use crate::token::Lexeme;
+use crate::token::{Lexeme, brace_end};
 use crate::tree::{Dict, Entry, Key, Pattern, Tok, Token, Value, number_kind};
 
 impl Parser<'_> {
@@ -37,7 +38,10 @@ impl Parser<'_> {
         if dots > 0 {
             return self.descend(top.checked_sub(dots - 1)?, bare);
         }
-        (0..=top).rev().find_map(|level| self.descend(level, name))
+        (0..=top)
+            .rev()
+            .find_map(|level| self.descend(level, name))
+            .or_else(|| environment::variable(&*self.files, name))
     }
     /// Looks `path` up in the scope at `level`; keys may hold dots themselves (`alpha.water`).
     fn descend(&self, level: usize, path: &str) -> Option<Value> {
@@ -61,11 +65,21 @@ impl Parser<'_> {
         }
         None
     }
+    /// `name` with the macros inside it replaced: `a${b}` of `${a${b}}`.
+    fn whole_name(&mut self, name: &str, span: &Span) -> String {
+        if name.contains('$') { self.expand_text(name, span) } else { name.to_owned() }
+    }
     fn unknown_macro(&mut self, name: &str, span: &Span) {
         if self.lost {
             self.gaps += 1;
             return;
         }
+        let help = self.near_macro(name);
+        self.push(
+            Diag::error(span, format!("`${name}` is not defined")).label("unknown here").help(help),
+        );
+    }
+    fn near_macro(&self, name: &str) -> String {
         let known: Vec<String> = self
             .scopes
             .iter()
@@ -73,18 +87,23 @@ impl Parser<'_> {
             .map(|e| e.key.text().to_owned())
             .collect();
         let near = nearest(name, known.iter().map(String::as_str));
-        let help = near.map_or_else(
+        near.map_or_else(
             || "define it above this line".to_owned(),
             |n| format!("did you mean `${n}`?"),
-        );
-        self.push(
-            Diag::error(span, format!("`${name}` is not defined")).label("unknown here").help(help),
-        );
+        )
     }
     /// `$name` where a keyword is needed.
     pub(crate) fn key_macro(&mut self, c: &mut Cursor, name: &str, span: &Span) {
-        let ends = c.peek().0 == Lexeme::Mark(b';');
+        let ends = matches!(c.peek().0, Lexeme::Mark(b';' | b'}') | Lexeme::End);
+        let name = &self.whole_name(name, span);
         match self.lookup(name) {
+            None if ends && !self.lost => {
+                // Cases rely on this: `${_${FOAM_EXECUTABLE}};` is for one program of several.
+                let help = self.near_macro(name);
+                let d = Diag::warning(span, format!("`${name}` is not defined"));
+                self.push(d.label("nothing is inserted, as in OpenFOAM").help(help));
+                skip_entry(c);
+            }
             None => {
                 self.unknown_macro(name, span);
                 skip_entry(c);
@@ -112,6 +131,7 @@ impl Parser<'_> {
     }
     /// `$name` in a value: its tokens.
     pub(crate) fn value_macro(&mut self, name: &str, span: &Span, out: &mut Vec<Token>) {
+        let name = &self.whole_name(name, span);
         match self.lookup(name) {
             None => self.unknown_macro(name, span),
             Some(Value::Dict(d)) => {
@@ -128,13 +148,18 @@ impl Parser<'_> {
     }
     /// Replaces `$name` and `${name}` in a text by the word, text or number they stand for.
     pub(crate) fn expand_text(&mut self, text: &str, span: &Span) -> String {
+        self.expand_within(text, span, 0)
+    }
+    fn expand_within(&mut self, text: &str, span: &Span, depth: usize) -> String {
+        /// Names in names in names: deeper is a typing error, and would exhaust the stack.
+        const DEEPEST: usize = 5;
         let (mut out, mut rest) = (String::new(), text);
         while let Some(i) = rest.find('$') {
             out.push_str(&rest[..i]);
             let tail = &rest[i + 1..];
             let (name, used) = match tail.strip_prefix('{') {
-                Some(t) => match t.find('}') {
-                    Some(n) => (&t[..n], n + 2),
+                Some(_) => match brace_end(tail.as_bytes(), 0) {
+                    Some(end) => (&tail[1..end - 1], end),
                     None => ("", 0),
                 },
                 None => {
@@ -149,6 +174,13 @@ impl Parser<'_> {
                 out.push('$');
                 continue;
             }
+            let inner;
+            let name = if name.contains('$') && depth < DEEPEST {
+                inner = self.expand_within(name, span, depth + 1);
+                &inner
+            } else {
+                name
+            };
             let value = match self.lookup(name) {
                 Some(Value::Stream(t)) => match t.as_slice() {
                     [one] => one

@@ -17,6 +17,10 @@ pub trait Files {
     fn case_root(&self) -> String {
         String::new()
     }
+    /// A variable of the environment: what `$name` stands for when no entry has that name.
+    fn variable(&self, _name: &str) -> Option<String> {
+        None
+    }
 }
 
 /// No file can be included.

@@ -28,14 +28,16 @@
 //! The parser goes on after every mistake and a reader returns a harmless value for what is wrong,
 //! so that one run names everything. No value may be used before [`Sink::has_errors`] was asked.
 //!
-//! Expanded on the way: `$name`, `${name}`, `$:from.the.top`, `$.here`, `$..parent`, `#include`,
-//! `#includeIfPresent`, `#sinclude`, `#inputMode`, `#remove`, `#calc`, `#eval`, `${{ }}`, `#if`,
-//! `#ifeq`, and of `#includeEtc` the constraint types of fields. Refused by name: `#codeStream`,
-//! `#includeFunc`, any other `#includeEtc`.
+//! Expanded on the way: `$name`, `${name}`, `${a${b}}`, `$:from.the.top`, `$.here`, `$..parent`,
+//! variables of the environment, `#include`, `#includeIfPresent`, `#sinclude`, `#inputMode`,
+//! `#remove`, `#calc`, `#eval`, `${{ }}`, `#if`, `#ifeq`, `#includeFunc` of files in the case's
+//! `system`, and of `#includeEtc` the constraint types of fields. Refused by name: `#codeStream`,
+//! any other `#includeFunc` and `#includeEtc`.
 
 mod arith;
 mod diag;
 mod directives;
+mod environment;
 mod etc;
 mod expand;
 mod files;

@@ -55,6 +55,10 @@ fn content(
         return Ok(payload);
     }
     let start = scan::space(b, c.at);
+    if class == "featureEdgeMesh" {
+        let message = "a `featureEdgeMesh` is not read: edges of surfaces have no use here";
+        return Err(ListError { at: start, message: message.into(), label: "refused" });
+    }
     let mut count = None;
     let mut at = start;
     if let Some((n, end)) = scan::label(b, start) {
@@ -109,8 +113,8 @@ fn content(
     }
     let (rest, range) = lex(b, c.at);
     if c.binary.is_none() && !matches!(rest, Lexeme::End | Lexeme::Mark(b';')) {
-        let d = Diag::error(&Span::new(&src, range), "unexpected text behind the list");
-        p.push(d.label("the list ended before this"));
+        let d = Diag::warning(&Span::new(&src, range), "unexpected text behind the list");
+        p.push(d.label("not read: the list ended before this"));
     }
     Ok(payload)
 }

@@ -39,7 +39,8 @@ pub fn parse_str(text: &str) -> (Dict, Vec<Diag>) {
     parse(Source::new("text", text), &mut crate::files::NoFiles)
 }
 
-fn root(src: &Arc<Source>) -> Dict {
+/// An empty dictionary that spans a file.
+pub(crate) fn root(src: &Arc<Source>) -> Dict {
     let end = src.text.trim_ascii_end().len();
     Dict { open: Span::new(src, 0..0), close: Span::new(src, end..end), ..Dict::new() }
 }
@@ -53,7 +54,9 @@ pub(crate) struct Cursor {
 }
 impl Cursor {
     pub(crate) fn new(src: &Arc<Source>) -> Cursor {
-        Cursor { src: src.clone(), at: 0, binary: None }
+        // Editors of Windows put a mark of UTF-8 first.
+        let at = if src.text.starts_with(b"\xef\xbb\xbf") { 3 } else { 0 };
+        Cursor { src: src.clone(), at, binary: None }
     }
     pub(crate) fn peek(&self) -> (Lexeme, Span) {
         let (l, r) = lex(&self.src.text, self.at);
@@ -206,6 +209,10 @@ impl<'f> Parser<'f> {
                 Lexeme::Mark(b'}') if open.is_some() => return span,
                 Lexeme::Mark(b';') => {}
                 Lexeme::Mark(b'(') => self.stray_list(c, &span),
+                Lexeme::Mark(b'{') if c.take(b'}').is_some() => {
+                    let d = Diag::warning(&span, "an empty `{}` without a keyword");
+                    self.push(d.label("skipped"));
+                }
                 Lexeme::Mark(m) => {
                     let m = char::from(m);
                     let d = Diag::error(&span, format!("unexpected `{m}`"));

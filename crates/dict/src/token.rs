@@ -119,13 +119,12 @@ fn variable(b: &[u8], at: usize) -> (Lexeme, Range<usize>) {
             return (Lexeme::Expression(lossy(&b[at + 3..at + 3 + n])), at..at + n + 5);
         }
     } else if b.get(at + 1) == Some(&b'{') {
-        let end = run(b, at + 2, |c| !matches!(c, b'}' | b'\n' | b'{' | b';'));
-        if b.get(end) == Some(&b'}') {
+        if let Some(end) = brace_end(b, at + 1) {
             let whole = word_end(b, at);
-            if whole > end + 1 {
+            if whole > end {
                 return (Lexeme::Template(lossy(&b[at..whole])), at..whole);
             }
-            return (Lexeme::Macro(lossy(&b[at + 2..end])), at..end + 1);
+            return (Lexeme::Macro(lossy(&b[at + 2..end - 1])), at..end);
         }
     } else {
         let mut end = run(b, at + 1, in_name);
@@ -154,17 +153,30 @@ fn stops(c: u8) -> bool {
     c <= b' ' || matches!(c, b'"' | b';' | b'{' | b'}' | b'[' | b']' | b'\'')
 }
 
+/// Offset behind the `}` that closes the `{` of a `${name}` at `open`, on the same line; names may
+/// hold names: `${a${b}}`.
+pub(crate) fn brace_end(b: &[u8], open: usize) -> Option<usize> {
+    let mut depth = 0usize;
+    for (n, &c) in b.get(open..)?.iter().enumerate() {
+        match c {
+            b'{' if depth == 0 || b[open + n - 1] == b'$' => depth += 1,
+            b'}' if depth == 1 => return Some(open + n + 1),
+            b'}' => depth -= 1,
+            b'{' | b'\n' | b';' => return None,
+            _ => {}
+        }
+    }
+    None
+}
+
 fn word_end(b: &[u8], at: usize) -> usize {
     let mut i = at;
     while let Some(&c) = b.get(i) {
         match c {
-            b'$' if b.get(i + 1) == Some(&b'{') => {
-                let end = run(b, i + 2, |c| !matches!(c, b'}' | b'\n' | b'{' | b';'));
-                if b.get(end) != Some(&b'}') {
-                    return i + 1;
-                }
-                i = end + 1;
-            }
+            b'$' if b.get(i + 1) == Some(&b'{') => match brace_end(b, i + 1) {
+                Some(end) => i = end,
+                None => return i + 1,
+            },
             b'(' => match balanced(b, i) {
                 Some(end) => i = end,
                 None => return i,
@@ -249,6 +261,8 @@ mod tests {
         );
         assert_eq!(all("#{ a; #} b")[1], w("b"));
         assert_eq!(all("$x//c"), [m("x")]);
+        assert_eq!(all("${a_${b}};")[0], m("a_${b}"));
+        assert_eq!(all("${a_${b}}_c")[0], Lexeme::Template("${a_${b}}_c".into()));
     }
 
     #[test]

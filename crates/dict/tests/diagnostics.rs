@@ -193,11 +193,11 @@ fn macros_that_are_not_there() {
       |
       = help: did you mean `$width`?
 
-    error: `$:c.d` is not defined
+    warning: `$:c.d` is not defined
      --> system/test:3:5
       |
     3 | b { $:c.d; }
-      |     ^^^^^ unknown here
+      |     ^^^^^ nothing is inserted, as in OpenFOAM
       |
       = help: define it above this line
 
@@ -236,8 +236,7 @@ fn arithmetic_points_into_the_expression() {
 
 #[test]
 fn what_granflow_refuses_it_refuses_by_name() {
-    let text =
-        "#includeEtc \"caseDicts/general\"\nv #codeStream { code #{ $x; #}; };\n#inclde \"a\"\n";
+    let text = "#includeEtc \"caseDicts/general\"\nv #codeStream { code #{ $x; #}; };\n#inclde \"a\"\n#includeFunc mag(U)\n";
     assert_snapshot!(parsed(text), @r##"
     error: `#includeEtc "caseDicts/general"` is not available
      --> system/test:1:1
@@ -251,7 +250,7 @@ fn what_granflow_refuses_it_refuses_by_name() {
      --> system/test:2:3
       |
     2 | v #codeStream { code #{ $x; #}; };
-      |   ^^^^^^^^^^^ cannot be evaluated
+      |   ^^^^^^^^^^^ refused
       |
       = help: write the value, or use `#calc "expression"`
 
@@ -262,6 +261,14 @@ fn what_granflow_refuses_it_refuses_by_name() {
       | ^^^^^^^ not known
       |
       = help: did you mean `#include`?
+
+    error: `#includeFunc mag(U)` is not available
+     --> system/test:4:1
+      |
+    4 | #includeFunc mag(U)
+      | ^^^^^^^^^^^^^^^^^^^ refused
+      |
+      = help: granflow does not read OpenFOAM's packaged functions, only files in the case's `system`; write the dictionary `mag` { type ...; } in full
     "##);
 }
 

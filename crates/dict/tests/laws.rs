@@ -49,6 +49,15 @@ fn soup() -> impl Strategy<Value = Vec<u8>> {
         b"}}",
         b"#remove ",
         b"#inputMode ",
+        b"#includeFunc a",
+        b"${a${b}}",
+        b"${a${",
+        b"\xef\xbb\xbf",
+        b"FoamFile { format binary; arch \"MSB;label=64;scalar=32\"; }",
+        b"2{(",
+        b"(a|b)",
+        b"div(phi,U)",
+        b"\"(U|p).*\"",
     ];
     let piece = prop_oneof![
         9 => proptest::sample::select(bits).prop_map(<[u8]>::to_vec),

@@ -216,3 +216,139 @@ fn the_constraint_types_of_fields_are_built_in() {
     }
     assert_eq!(dict.sub("b").and_then(|d| d.word("type")), Some("wedge"));
 }
+
+#[test]
+fn names_within_names_and_what_is_inserted_nowhere() {
+    let d =
+        ok("name foo; foo { q 1; } h { ${$name}; } i { ${:$name}; } foo_a 3; j ${${name}_a};\n\
+                k ${${name}_a}x;");
+    assert_eq!(d.sub("h").unwrap().number("q"), Some(1.0));
+    assert_eq!(d.sub("i").unwrap().number("q"), Some(1.0));
+    assert_eq!((d.number("j"), d.word("k")), (Some(3.0), Some("3x")));
+    // foamDictionary inserts nothing for a dictionary that is not there, and says nothing.
+    let (d, diags) = parse_str("a { $nope; b 1; } c { ${_${FOAM_EXECUTABLE}}; }");
+    assert_eq!(d.sub("a").unwrap().number("b"), Some(1.0));
+    assert_eq!(diags.len(), 2);
+    assert!(diags.iter().all(|d| d.severity == Severity::Warning), "{diags:?}");
+    assert!(diags[1].message.contains("$_granflow"));
+    let (_, diags) = parse_str("{} a 1;");
+    assert_eq!((diags.len(), diags[0].severity), (1, Severity::Warning));
+    let (_, diags) = parse_str("$nope 3;");
+    assert_eq!(diags[0].severity, Severity::Error);
+    let deep = format!("a {}b{};", "${".repeat(50_000), "}".repeat(50_000));
+    assert!(!parse_str(&deep).1.is_empty());
+}
+
+#[test]
+fn variables_of_the_environment_stand_behind_entries() {
+    struct Shell;
+    impl Files for Shell {
+        fn load(&mut self, _: &str) -> std::io::Result<Vec<u8>> {
+            Err(std::io::ErrorKind::NotFound.into())
+        }
+        fn case_root(&self) -> String {
+            "runs/heap".into()
+        }
+        fn variable(&self, name: &str) -> Option<String> {
+            ["SIZE", "MODEL", "FOAM_API"]
+                .iter()
+                .position(|n| *n == name)
+                .map(|i| ["12", "NGF", "2012"][i].to_owned())
+        }
+    }
+    let text = "a $SIZE; b ${MODEL}; MODEL own; c $MODEL; d $FOAM_CASE; e ${FOAM_CASENAME};\n\
+                f $FOAM_API; #ifeq $WM_PROJECT OpenFOAM\n g 1; #endif\n h #calc \"2*$SIZE\";";
+    let (d, diags) = parse(Source::new("x", text), &mut Shell);
+    assert!(diags.is_empty(), "{diags:?}");
+    assert_eq!((d.number("a"), d.word("b"), d.word("c")), (Some(12.), Some("NGF"), Some("own")));
+    assert_eq!((d.word("d"), d.word("e")), (Some("runs/heap"), Some("heap")));
+    assert_eq!((d.number("f"), d.number("g"), d.number("h")), (Some(2012.), Some(1.), Some(24.)));
+}
+
+#[test]
+fn functions_of_the_case_are_included_as_dictionaries() {
+    let mut files = MemoryFiles::default();
+    let file = b"FoamFile { class dictionary; }\ntype sets; n $n;";
+    files.0.insert("system/graph".into(), file.to_vec());
+    let text = "n 3;\nfunctions\n{\n    #includeFunc graph\n    #includeFunc \"graph\"  // again\n    #includeFunc Q\n    #includeFunc components(U)\n}\n";
+    let (d, diags) = parse(Source::new("system/controlDict", text), &mut files);
+    let graph = d.sub("functions").and_then(|f| f.sub("graph")).unwrap();
+    assert_eq!((graph.word("type"), graph.number("n")), (Some("sets"), Some(3.0)));
+    assert!(graph.header().is_none());
+    let places: Vec<String> = diags.iter().map(|d| d.place()).collect();
+    assert_eq!(places, ["system/controlDict:6:5", "system/controlDict:7:5"], "{diags:?}");
+    assert!(diags.iter().all(|d| d.label == "refused"));
+}
+
+#[test]
+fn binary_of_every_architecture_is_read() {
+    // Two labels and a vector, big and little endian, 32 and 64 bits each.
+    for msb in [false, true] {
+        for label in [4usize, 8] {
+            for scalar in [4usize, 8] {
+                let order = |mut le: Vec<u8>| {
+                    if msb {
+                        le.reverse();
+                    }
+                    le
+                };
+                let arch = format!(
+                    "{};label={};scalar={}",
+                    if msb { "MSB" } else { "LSB" },
+                    8 * label,
+                    8 * scalar
+                );
+                let mut b = format!(
+                    "FoamFile {{ format binary; arch \"{arch}\"; class volVectorField; }}\n\
+                     l nonuniform List<label> 2("
+                )
+                .into_bytes();
+                for i in [-7i64, 70_000] {
+                    b.extend(order(i.to_le_bytes()[..label].to_vec()));
+                }
+                b.extend_from_slice(b");\nv nonuniform List<vector> 1(");
+                for x in [0.5f64, -2.0, 1024.0] {
+                    let le = match scalar {
+                        4 => (x as f32).to_le_bytes().to_vec(),
+                        _ => x.to_le_bytes().to_vec(),
+                    };
+                    b.extend(order(le));
+                }
+                b.extend_from_slice(b");\nn 1;");
+                let (d, diags) = parse(Source::new("f", b), &mut NoFiles);
+                assert!(diags.is_empty(), "{arch}: {diags:?}");
+                assert_eq!(d.stream("l").unwrap()[1].labels().unwrap(), [-7, 70_000], "{arch}");
+                let v = d.stream("v").unwrap()[1].vectors().unwrap();
+                assert_eq!(v, [[0.5, -2.0, 1024.0]], "{arch}");
+                assert_eq!(d.number("n"), Some(1.0));
+            }
+        }
+    }
+}
+
+#[test]
+fn marks_of_editors_and_long_lines_are_no_matter() {
+    let d = ok("\u{feff}a 1;\r\nb \"\u{e4}\u{4e2d}\";\r\n");
+    assert_eq!((d.number("a"), d.word("b")), (Some(1.0), Some("\u{e4}\u{4e2d}")));
+    let (_, p, diags) = parse_list_file(Source::new(
+        "points",
+        "\u{feff}FoamFile { class vectorField; }\r\n1\r\n((1 2 3))\r\n/ ***** //",
+    ));
+    assert_eq!(p, Payload::Vectors(vec![[1., 2., 3.]]));
+    // OpenFOAM stops behind the list; here it is said.
+    assert_eq!((diags.len(), diags[0].severity), (1, Severity::Warning));
+    let long = format!("a ({}); b 2;", "x1 ".repeat(200_000));
+    let d = ok(&long);
+    assert_eq!(d.stream("a").unwrap()[0].list().unwrap().len(), 200_000);
+    assert_eq!(d.number("b"), Some(2.0));
+}
+
+#[test]
+fn patterns_and_their_order_are_those_of_openfoam() {
+    let d = ok("\"(U|k)\" 1; \"U.*\" 2; U 3; \"(p|p_rgh)Final\" 4; \"p.*\" 5; div(phi,U) 6;\n\
+                \"div\\(phi,.*\\)\" 7;");
+    let n = |k: &str| d.number(k);
+    assert_eq!((n("U"), n("UFinal"), n("k")), (Some(3.), Some(2.), Some(1.)));
+    assert_eq!((n("pFinal"), n("p_rghFinal")), (Some(5.), Some(5.)), "the last one that matches");
+    assert_eq!((n("div(phi,U)"), n("div(phi,alpha)")), (Some(6.), Some(7.)));
+}

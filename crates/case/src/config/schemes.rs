@@ -251,6 +251,12 @@ fn divergence(r: &Reader<'_>, notices: &Notices) -> Convection {
         r.error_here("no scheme for the convection of U", "`div(phi,U)` is missing", Some(&help));
         return Convection::LinearUpwind;
     };
+    // `div(phi,u)` beside a default would be passed over in silence.
+    let alike = |k: &&str| k.eq_ignore_ascii_case("div(phi,U)") && *k != "div(phi,U)";
+    if let Some(other) = r.keys().into_iter().find(alike).filter(|_| key == "default") {
+        let message = format!("`{other}` is not the convection of U: the default is used");
+        r.warn_at_key(other, message, "nothing reads this", Some("did you mean `div(phi,U)`?"));
+    }
     scheme_of(r, key, Convection::LinearUpwind, notices)
 }
 

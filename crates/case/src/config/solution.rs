@@ -186,10 +186,12 @@ impl Solution {
             for other in OTHERS {
                 solvers.ignore(other);
             }
-            for key in solvers.keys().into_iter().filter(|k| k.starts_with("alpha")) {
+            // Patterns as well: `"alpha.water.*"`.
+            let keys = solvers.dict().entries.iter().map(|e| e.key.text());
+            for key in keys.filter(|k| k.trim_start_matches('(').starts_with("alpha")) {
                 solvers.ignore(key);
             }
-            for other in ["p", "pFinal", "p_rgh", "p_rghFinal", "alpha.water"] {
+            for other in ["p", "pFinal", "p_rgh", "p_rghFinal"] {
                 solvers.ignore(other);
             }
         }

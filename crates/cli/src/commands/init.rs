@@ -79,6 +79,10 @@ impl Initial {
         });
         sink.extend(restated.collect::<Vec<_>>());
     }
+    /// The directory that a person knows a start directory by.
+    pub(crate) fn shown<'d>(&self, dir: &'d str) -> &'d str {
+        if self.made.is_some() && dir == "0" { ORIG } else { dir }
+    }
     /// The case is sound: `0` stays. Says whether it was made.
     pub(crate) fn keep(mut self) -> bool {
         self.made.take().is_some()

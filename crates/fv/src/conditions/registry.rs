@@ -10,7 +10,7 @@ use super::{
 };
 use crate::waves::{Frame, Source};
 use granflow_base::{Dims, Value, Vec3, norm, unit};
-use granflow_dict::{Dict, FieldValue, Reader, Sink};
+use granflow_dict::{CONSTRAINT_TYPES, Dict, FieldValue, Reader, Sink};
 use granflow_mesh::PatchKind;
 
 /// What reading a condition may depend on.
@@ -432,6 +432,19 @@ fn read<T: Value, F: Copy>(
             r.error_at_key("type", &message, format!("found `{word}`"), Some(&help));
         }
         return Box::new(dictated);
+    }
+    let word = r.raw("type").and_then(|t| t.first()).and_then(|t| t.word()).unwrap_or("");
+    if CONSTRAINT_TYPES.contains(&word) {
+        let (patch, kind) = (context.patch, context.kind.word());
+        let message =
+            format!("`{word}` is the condition of patches of that type: `{patch}` is a {kind}");
+        let help = format!(
+            "give the patch the type `{word}` in the mesh (blockMeshDict, constant/polyMesh/boundary), \
+             or choose a condition (`granflow list conditions`)"
+        );
+        r.error_at_key("type", message, format!("the mesh says {kind}"), Some(&help));
+        r.ignore_all();
+        return Box::new(ZeroGradient);
     }
     let known: Vec<(&str, Option<F>)> =
         ALL.iter().filter_map(|e| Some((e.name, Some(select(e)?)))).collect();

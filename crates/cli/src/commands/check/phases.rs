@@ -1,0 +1,60 @@
+//! What flows, in which units.
+
+use super::page::Page;
+use crate::text::number;
+use granflow_base::norm;
+use granflow_case::Case;
+use granflow_case::config::Transport;
+
+pub(super) fn say(case: &Case, page: &mut Page) {
+    page.open("Phases and units");
+    let transport = &case.config.transport;
+    match &transport.second {
+        None => page.say("model", of(transport)),
+        Some(second) => {
+            page.say(&second.names[0], of(transport));
+            page.say(&second.names[1], of(&second.transport));
+            page.say("surface tension", format!("{} N/m", number(second.sigma)));
+        }
+    }
+    if let Some(g) = &transport.grains {
+        let text = format!(
+            "d {} m, density of a grain {} kg/m3, mu from {} at rest to {}, I0 {}",
+            number(g.d),
+            number(g.rho_s),
+            number(g.mu_s),
+            number(g.mu_2),
+            number(g.i0)
+        );
+        page.say("grains", text);
+        let filled = transport.rho / g.rho_s;
+        // Equal ones are a case without units.
+        if !(0.3..=1.0).contains(&filled) {
+            page.warn(format!(
+                "rho is that of grains and gaps together: {} of a grain's density, where packings \
+                 have about 0.55 to 0.64",
+                number(filled)
+            ));
+        }
+    }
+    let gravity = case.config.gravity.unwrap_or_default();
+    let text = match norm(gravity) {
+        0.0 => "none".to_owned(),
+        _ => {
+            let [x, y, z] = gravity.map(number);
+            format!("({x} {y} {z}) m/s2")
+        }
+    };
+    page.say("gravity", text);
+    let unit = match (case.start.kinematic(), case.pressure_factor()) {
+        (false, _) => "Pa".to_owned(),
+        (true, rho) => format!("m2/s2 in its file, times rho = {} kg/m3 inside", number(rho)),
+    };
+    let name = case.config.pressure();
+    let what = if name == "p_rgh" { "p_rgh, the pressure less the weight above" } else { "p" };
+    page.say("pressure", format!("{what}, in {unit}"));
+}
+
+fn of(t: &Transport) -> String {
+    format!("{}, rho {} kg/m3", t.model, t.rho)
+}

@@ -1,0 +1,144 @@
+//! `granflow check` as a doctor: the whole report of a sound case, and what it finds in cases that
+//! read well and make no sense.
+
+#![allow(clippy::unwrap_used, reason = "a test may fail")]
+
+mod common;
+
+use common::{Case, cavity, collapse, dam, of_catalogue, text};
+
+/// Runs the command on a case that must stay as it is; its exit code and both streams.
+fn check(case: &Case) -> (Option<i32>, String, String) {
+    let before = case.tree();
+    let out = case.run(&["check"]);
+    assert!(case.tree() == before, "`check` changed something");
+    (out.status.code(), text(&out.stdout), text(&out.stderr))
+}
+
+/// What is said of the case on standard error, with the exit code that it must have.
+fn findings(case: &Case, code: i32) -> String {
+    let (found, out, err) = check(case);
+    assert_eq!(found, Some(code), "{}\n{out}\n{err}", case.edits);
+    err
+}
+
+#[test]
+fn the_report_of_a_sound_case() {
+    let (code, out, err) = check(&of_catalogue("annular_shear_cell"));
+    assert_eq!((code, err.as_str()), (Some(0), ""), "{out}");
+    // The mesh has tests of its own.
+    let behind_mesh = out.split_once("mesh ok\n").unwrap().1;
+    insta::assert_snapshot!("doctor_annular_shear_cell", behind_mesh);
+}
+
+#[test]
+fn the_report_of_two_phases() {
+    let (code, out, err) = check(&dam());
+    assert_eq!((code, err.as_str()), (Some(0), ""), "{out}");
+    insta::assert_snapshot!("doctor_dam", out.split_once("mesh ok\n").unwrap().1);
+    let (_, out, _) = check(&collapse());
+    // Free fall over 0.2 m, five grains of 2 mm.
+    assert!(out.contains("inertial number    I about "), "{out}");
+    assert!(out.contains("across their surface"), "{out}");
+}
+
+#[test]
+fn no_case_of_the_catalogue_is_complained_about() {
+    // One is on purpose coarser than it should be.
+    for name in ["cavity", "heap_dry", "heap_flow", "silo", "rising_bubble", "vertical_chute"] {
+        let (code, out, err) = check(&of_catalogue(name));
+        assert_eq!((code, err.as_str()), (Some(0), ""), "{name}: {out}");
+        assert!(!out.contains("\nwarning "), "{name}: {out}");
+    }
+}
+
+#[test]
+fn more_in_than_out_cannot_be() {
+    let case = cavity().edit("0/U", "uniform (1 0 0);", "uniform (1 -0.5 0);");
+    insta::assert_snapshot!("doctor_net_inflow", findings(&case, 2));
+    let run = case.run(&["run"]);
+    assert_eq!(run.status.code(), Some(2), "nor can it be run");
+}
+
+#[test]
+fn velocity_and_pressure_both_or_neither() {
+    let wall = "    walls\n    {\n        type        noSlip;\n    }\n";
+    let open = "    walls\n    {\n        type        zeroGradient;\n    }\n";
+    let case = cavity()
+        .edit("0/U", wall, open)
+        .edit("0/U", "uniform (1 0 0);", "uniform (1 -0.5 0);")
+        .edit(
+            "0/p",
+            "    lid\n    {\n        type        zeroGradient;\n",
+            "    lid\n    {\n        type fixedValue; value uniform 0;\n",
+        );
+    insta::assert_snapshot!("doctor_both_and_neither", findings(&case, 0));
+}
+
+#[test]
+fn files_with_nearly_the_right_name() {
+    let case = cavity().rename("system/fvSolution", "system/fvsolution").write("0/T", "");
+    let (code, out, err) = check(&case);
+    assert_eq!(code, Some(0), "{out}\n{err}");
+    assert!(err.contains("warning: nothing reads this file"), "{err}");
+    assert!(err.contains("did you mean `fvSolution`, which the case does not have?"), "{err}");
+    assert!(out.contains("not read           system/fvsolution, 0/T"), "{out}");
+    assert!(out.contains("fvSolution         the case has none: defaults"), "{out}");
+    let included = cavity()
+        .edit("system/controlDict", "application ", "#include \"more\"\napplication ")
+        .write("system/more", "purgeWrite 0;\n");
+    let (_, out, err) = check(&included);
+    assert!(err.is_empty() && !out.contains("not read"), "{out}\n{err}");
+    let case = cavity().rename("system/fvSolution", "system/fvsolution").write("0/T", "");
+    let (_, out, _) = check(&case);
+    // The other one is of the few cells.
+    assert!(out.contains("\n2 warnings\n"), "{out}");
+    let case = cavity().edit("system/fvSchemes", "div(phi,U)", "default Gauss upwind; div(phi,u)");
+    let err = findings(&case, 0);
+    assert!(err.contains("`div(phi,u)` is not the convection of U: the default is used"), "{err}");
+}
+
+#[test]
+fn what_is_there_under_another_name_is_named() {
+    let case = dam().rename("0.orig/alpha.water", "0.orig/alpha.watr");
+    let err = findings(&case, 2);
+    assert!(err.contains("error: the field `alpha.water` is missing"), "{err}");
+    assert!(err.contains("0.orig/alpha.watr\n = help: did you mean `alpha.water`"), "{err}");
+    let err = findings(&dam().remove("constant/g"), 0);
+    assert!(err.contains("warning: two phases without gravity: this file is missing"), "{err}");
+    let case = cavity().edit("system/blockMeshDict", "type empty;", "type patch;");
+    let err = findings(&case, 2);
+    assert!(
+        err.contains("`empty` is the condition of patches of that type: `sides` is a patch"),
+        "{err}"
+    );
+    let case =
+        of_catalogue("heap_dry").edit("constant/transportProperties", "d    0.5e-3;", "d 0.5;");
+    let (_, out, _) = check(&case);
+    assert!(out.contains("warning            a grain of 0.5 m in a mesh of "), "{out}");
+}
+
+#[test]
+fn steps_that_are_too_long() {
+    let case = cavity().edit("system/controlDict", "deltaT          0.005;", "deltaT 5;");
+    let (code, out, _) = check(&case);
+    assert_eq!(code, Some(0));
+    assert!(out.contains("warning            that is more than 1: PISO"), "{out}");
+    // sqrt(501 * 0.0456^3/(2 pi 0.07)) = 0.33 s.
+    let (_, out, _) = check(&dam());
+    assert!(
+        out.contains("capillary limit    waves of surface tension on the cells need 0.3"),
+        "{out}"
+    );
+}
+
+#[test]
+fn the_interface_must_not_skip_cells() {
+    let control = "system/controlDict";
+    let case = dam().edit(control, "maxCo           0.5;", "maxCo           5;");
+    let (_, out, _) = check(&case);
+    assert!(!out.contains("\nwarning "), "{out}");
+    let case = case.edit(control, "maxAlphaCo      0.5;", "maxAlphaCo      5;");
+    let (_, out, _) = check(&case);
+    assert!(out.contains("warning            the interface skips cells"), "{out}");
+}
