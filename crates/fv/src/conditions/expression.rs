@@ -98,6 +98,6 @@ mod tests {
         let text = "type exprFixedValue; valueExpr \"time() > 1 ? 3 : 5\";";
         assert_eq!(Probe::of::<f64>(text).at(2.0).values([9.0; 4]), [3.0; 4]);
         let said = mistakes::<f64>("type exprFixedValue; valueExpr \"2*snGrad(U)\";").to_string();
-        assert!(said.contains("text:1:32") && said.contains("`U` is no variable"), "{said}");
+        assert!(said.contains("text:1:32") && said.contains("`snGrad` is no function"), "{said}");
     }
 }

@@ -9,15 +9,17 @@ pub struct InletOutlet<T> {
     inlet: Vec<T>,
     /// Name of the condition and of its value.
     names: (&'static str, &'static str),
+    /// Whether the value is there before there is a flux.
+    from_the_start: bool,
 }
 impl<T: Value> InletOutlet<T> {
     /// One inlet value for the patch or one per face.
     pub fn new(inlet: Vec<T>) -> Self {
-        InletOutlet { inlet, names: ("inletOutlet", "inletValue") }
+        InletOutlet { inlet, names: ("inletOutlet", "inletValue"), from_the_start: false }
     }
-    /// The same under the name `freestream`.
+    /// The same under the name `freestream`, whose first flux is that of its value.
     pub(super) fn freestream(inlet: Vec<T>) -> Self {
-        InletOutlet { inlet, names: ("freestream", "freestreamValue") }
+        InletOutlet { inlet, names: ("freestream", "freestreamValue"), from_the_start: true }
     }
 }
 impl<T: Value> Condition<T> for InletOutlet<T> {
@@ -27,7 +29,14 @@ impl<T: Value> Condition<T> for InletOutlet<T> {
     fn update(&mut self, view: &PatchView<'_, T>, closure: &mut PatchClosure<'_, T>) {
         closure.free();
         // A field without a flux is not transported: nothing enters.
-        let Some(flux) = view.flux else { return };
+        let Some(flux) = view.flux else {
+            if self.from_the_start {
+                closure.fix(T::ZERO);
+                let each = closure.offset.iter_mut().enumerate();
+                each.for_each(|(i, o)| *o = pick(&self.inlet, i));
+            }
+            return;
+        };
         for (i, f) in flux.iter().enumerate() {
             if *f < 0.0 {
                 (closure.offset[i], closure.slope[i]) = (pick(&self.inlet, i), 0.0);

@@ -145,5 +145,7 @@ mod tests {
         let text = "type freestream; freestreamValue uniform 5;";
         let found = Probe::of::<f64>(text).flux([1.0, -1.0, 1.0, -1.0]).values([2.0; 4]);
         assert_eq!(found, [2.0, 5.0, 2.0, 5.0]);
+        // The flux that a run begins with is that of the value.
+        assert_eq!(Probe::of::<f64>(text).values([2.0; 4]), [5.0; 4]);
     }
 }

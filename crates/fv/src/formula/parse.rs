@@ -213,6 +213,10 @@ impl<'t> Parser<'t> {
         if self.take(&[("(", ())]).is_none() {
             return Err(self.unknown(name, "no variable"));
         }
+        let functions = ONE.iter().map(|f| f.0).chain(TWO.iter().map(|f| f.0));
+        if !functions.chain(OTHER.iter().copied()).any(|f| f == name) {
+            return Err(self.unknown(name, "no function that is known here"));
+        }
         self.call(name)
     }
     fn number(&mut self) -> Parsed {
@@ -259,7 +263,7 @@ impl<'t> Parser<'t> {
                 "face" => Ok(Node::Area),
                 "area" => Ok(Node::Length(area())),
                 "normal" => Ok(Node::Normal),
-                _ => Err(self.unknown(name, "nothing that is known without values")),
+                _ => Err(wrong("values between its parentheses")),
             };
         }
         if let Some((_, f)) = ONE.iter().find(|f| f.0 == name) {
@@ -285,7 +289,7 @@ impl<'t> Parser<'t> {
                 _ => Err(wrong("three values")),
             },
             ("vector", _) => Err(wrong("three values")),
-            _ => Err(self.unknown(name, "no function that is known here")),
+            _ => Err(wrong("no values between its parentheses")),
         }
     }
     fn unknown(&self, name: &str, what: &str) -> FormulaError {

@@ -169,7 +169,14 @@ impl<T: Value> Form<T> for Constant<T> {
 }
 
 fn ones<T: Value>() -> T {
-    of_components(&vec![1.0; T::N])
+    all(1.0)
+}
+
+/// `x` in every component.
+fn all<T: Value>(x: f64) -> T {
+    let mut v = T::ZERO;
+    (0..T::N).for_each(|c| v.set_comp(c, x));
+    v
 }
 
 /// The value with these components.

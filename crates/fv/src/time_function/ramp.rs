@@ -1,6 +1,6 @@
 //! From 0 at `start` to 1 a `duration` later.
 
-use super::{Form, Settings, of_components};
+use super::{Form, Settings};
 use granflow_base::{Dims, Value};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
@@ -17,7 +17,7 @@ struct Ramp {
 impl<T: Value> Form<T> for Ramp {
     fn at(&self, time: f64) -> T {
         let share = ((time - self.start) / self.duration).clamp(0.0, 1.0);
-        of_components(&vec![(self.shape)(share); T::N][..])
+        super::all::<T>((self.shape)(share))
     }
 }
 
