@@ -98,7 +98,7 @@ pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Fl
         &entries.p.boundary,
         &mesh,
         case.patches(),
-        (config.pressure(), Dims::PRESSURE),
+        (config.pressure(), entries.p.dims),
         k,
     );
     let mut p = Unknown::new(&mesh, config.pressure(), Dims::PRESSURE, 0.0, p_conditions);
