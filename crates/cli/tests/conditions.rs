@@ -70,3 +70,17 @@ fn values_from_files_go_on_and_are_cut_to_ranks() {
         assert!((found - expected).abs() < 1e-12, "{values:?}");
     }
 }
+
+#[test]
+fn a_pressure_may_carry_its_dimensions() {
+    let of = |value: &str| {
+        let lid = "    lid\n    {\n        type        zeroGradient;\n    }\n";
+        let given = format!("    lid {{ type uniformFixedValue; uniformValue {value}; }}\n");
+        let case = cavity().edit("0/p", lid, &given);
+        succeed(&case, &["run", "-j", "1"]);
+        case.read("0.1/p").split("boundaryField").next().unwrap_or("").to_owned()
+    };
+    let plain = of("3");
+    assert!(!plain.contains("nan"), "{plain}");
+    assert_eq!(plain, of("[0 2 -2 0 0 0 0] 3"));
+}

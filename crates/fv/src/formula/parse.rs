@@ -16,8 +16,13 @@ impl FormulaError {
 
 type Parsed = Result<Node, FormulaError>;
 
+/// A function of one number.
+type One = fn(f64) -> f64;
+/// A function of two numbers.
+type Two = fn(f64, f64) -> f64;
+
 /// Functions of one number.
-const ONE: &[(&str, fn(f64) -> f64)] = &[
+const ONE: &[(&str, One)] = &[
     ("sin", f64::sin),
     ("cos", f64::cos),
     ("tan", f64::tan),
@@ -46,7 +51,7 @@ const ONE: &[(&str, fn(f64) -> f64)] = &[
 ];
 
 /// Functions of two numbers.
-const TWO: &[(&str, fn(f64, f64) -> f64)] = &[
+const TWO: &[(&str, Two)] = &[
     ("pow", f64::powf),
     ("min", f64::min),
     ("max", f64::max),
