@@ -8,7 +8,7 @@ use granflow_base::Vec3;
 use granflow_dict::{
     CONSTRAINT_TYPES, Dict, Entry, Key, Payload, Reader, Sink, Tok, Token, Value, nearest,
 };
-use granflow_fv::conditions::{PatchContext, read_scalar, read_vector};
+use granflow_fv::conditions::{CaseContext, PatchContext, read_scalar, read_vector};
 use granflow_fv::{Condition, Differentiable};
 use granflow_mesh::{Mesh, PatchKind, PolyMesh, PolyPatch};
 use std::sync::Arc;
@@ -34,8 +34,16 @@ impl FieldType for Vec3 {
     }
 }
 
-/// Entries of a condition that are in units of the field.
-const SCALED: &[&str] = &["value", "gradient", "inletValue", "p", "p0", "uniformValue", "refValue"];
+/// What conditions are made for.
+#[derive(Clone, Copy)]
+pub struct Patches<'a> {
+    /// The patches of the whole mesh.
+    pub poly: &'a PolyMesh,
+    /// Waves at them.
+    pub waves: &'a WaveTable,
+    /// The case around.
+    pub case: CaseContext<'a>,
+}
 
 /// Finds the entry of every patch and checks that a condition can be made of it. Returns the
 /// entries as the user wrote them, one per patch; mistakes go to the reader's sink.
@@ -44,6 +52,7 @@ pub fn resolve<T: FieldType>(
     field: &str,
     dims: granflow_base::Dims,
     poly: &PolyMesh,
+    case: CaseContext<'_>,
 ) -> Vec<Dict> {
     let mut out = Vec::with_capacity(poly.patches.len());
     for patch in &poly.patches {
@@ -63,7 +72,10 @@ pub fn resolve<T: FieldType>(
             kind: &patch.kind,
             n_faces: patch.len,
             n_inner: poly.n_inner(),
+            field,
             dims,
+            factor: 1.0,
+            case,
             wave: None,
         };
         T::condition(&sub, &context);
@@ -167,23 +179,27 @@ pub fn of_kind(kind: &PatchKind) -> Dict {
 pub fn conditions<T: FieldType>(
     entries: &[Dict],
     mesh: &Mesh,
-    (poly, waves): (&PolyMesh, &WaveTable),
-    dims: granflow_base::Dims,
+    patches: Patches<'_>,
+    (field, dims): (&str, granflow_base::Dims),
     factor: f64,
 ) -> Vec<Box<dyn Condition<T>>> {
     let silent = Sink::new();
+    let Patches { poly, waves, case } = patches;
     let one = |(i, whole): (usize, &PolyPatch)| {
         let patch = &mesh.patches[i];
         let mine: Vec<usize> =
             patch.faces.clone().map(|f| (mesh.poly_face[f] >> 1) as usize - whole.start).collect();
-        let d = local(&entries[i], factor, whole.len, &mine);
+        let d = local(&entries[i], whole.len, &mine);
         let extents = waves.extents(i, poly, mesh, &mine);
         let context = PatchContext {
             patch: &whole.name,
             kind: &whole.kind,
             n_faces: mine.len(),
             n_inner: mesh.n_inner,
+            field,
             dims,
+            factor,
+            case,
             wave: waves.at(i, &extents),
         };
         T::condition(&Reader::new(&d, &silent), &context)
@@ -191,59 +207,29 @@ pub fn conditions<T: FieldType>(
     poly.patches.iter().enumerate().map(one).collect()
 }
 
-/// An entry for some faces of its patch, its values times `factor`.
-fn local(entry: &Dict, factor: f64, n_faces: usize, mine: &[usize]) -> Dict {
+/// An entry for some faces of its patch.
+fn local(entry: &Dict, n_faces: usize, mine: &[usize]) -> Dict {
     let mut d = entry.clone();
     for e in &mut d.entries {
         let Value::Stream(tokens) = &mut e.value else { continue };
-        let k = if SCALED.contains(&e.key.text()) { factor } else { 1.0 };
-        let how = tokens.first().and_then(Token::word).map(str::to_owned);
-        match how.as_deref() {
-            Some("nonuniform") => {
-                if let Some(list) = tokens.last().and_then(|t| picked(t, k, n_faces, mine)) {
-                    *tokens = vec![Token::of_word("nonuniform"), list];
-                }
-            }
-            Some("table") if k != 1.0 => {
-                for t in tokens.iter_mut().skip(1) {
-                    scale_table(t, k);
-                }
-            }
-            _ if k != 1.0 => tokens.iter_mut().for_each(|t| scale(t, k)),
-            _ => {}
+        if tokens.first().and_then(Token::word) == Some("nonuniform")
+            && let Some(list) = tokens.last().and_then(|t| picked(t, n_faces, mine))
+        {
+            *tokens = vec![Token::of_word("nonuniform"), list];
         }
     }
     d
 }
 
-/// The chosen items of a list of `n` values, times `k`.
-fn picked(t: &Token, k: f64, n: usize, mine: &[usize]) -> Option<Token> {
+/// The chosen items of a list of `n` values.
+fn picked(t: &Token, n: usize, mine: &[usize]) -> Option<Token> {
     let payload = if let Some(v) = t.scalars().filter(|v| v.len() == n) {
-        Payload::Scalars(mine.iter().map(|&i| k * v[i]).collect())
+        Payload::Scalars(mine.iter().map(|&i| v[i]).collect())
     } else {
         let v = t.vectors().filter(|v| v.len() == n)?;
-        Payload::Vectors(mine.iter().map(|&i| v[i].map(|x| k * x)).collect())
+        Payload::Vectors(mine.iter().map(|&i| v[i]).collect())
     };
     Some(Token { kind: Tok::Packed(Arc::new(payload)), span: t.span.clone() })
-}
-
-fn scale(t: &mut Token, k: f64) {
-    if let Some(x) = t.number() {
-        t.kind = Tok::Number(k * x);
-    }
-}
-
-/// `((t v) (t v))`: the second of each pair.
-fn scale_table(t: &mut Token, k: f64) {
-    if let Tok::List(rows) = &mut t.kind {
-        for row in rows {
-            if let Tok::List(pair) = &mut row.kind
-                && let Some(v) = pair.get_mut(1)
-            {
-                scale(v, k);
-            }
-        }
-    }
 }
 
 #[cfg(test)]
@@ -269,7 +255,7 @@ mod tests {
         let sink = Sink::new();
         let poly = mesh();
         let dims = granflow_base::Dims::PRESSURE;
-        let found = resolve::<f64>(&Reader::new(&dict, &sink), "p", dims, &poly);
+        let found = resolve::<f64>(&Reader::new(&dict, &sink), "p", dims, &poly, CaseContext::NONE);
         let words: Vec<_> = found.iter().map(|d| d.word("type").unwrap_or("")).collect();
         assert!(sink.take().is_empty());
         assert_eq!(words[..3], ["fixedValue", "fixedValue", "zeroGradient"]);
@@ -284,7 +270,7 @@ mod tests {
         let (dict, _) = parse_str(text);
         let sink = Sink::new();
         let dims = granflow_base::Dims::PRESSURE;
-        resolve::<f64>(&Reader::new(&dict, &sink), "p", dims, &mesh());
+        resolve::<f64>(&Reader::new(&dict, &sink), "p", dims, &mesh(), CaseContext::NONE);
         let all = sink.take();
         assert_eq!((all.n_errors(), all.n_warnings()), (1, 1));
         let text = all.to_string();
@@ -293,16 +279,32 @@ mod tests {
     }
 
     #[test]
-    fn values_are_cut_and_scaled() {
+    fn values_are_cut_to_the_faces_of_a_rank() {
         let (d, _) = parse_str(
             "type fixedValue; value nonuniform List<scalar> 3 (1 2 3); \
-             uniformValue table ((0 1) (2 5)); mode 4;",
+             uniformValue table ((0 1) (2 5) (3 6)); mode 4;",
         );
-        let cut = local(&d, 10.0, 3, &[2, 0]);
+        let cut = local(&d, 3, &[2, 0]);
         let values = cut.stream("value").and_then(|t| t.last()?.scalars());
-        assert_eq!(values, Some(vec![30.0, 10.0]));
-        let table = cut.stream("uniformValue").and_then(|t| t[1].list()?[1].scalars());
-        assert_eq!(table, Some(vec![2.0, 50.0]));
+        assert_eq!(values, Some(vec![3.0, 1.0]));
+        assert_eq!(cut.stream("uniformValue").map(<[Token]>::len), Some(2));
         assert_eq!(cut.number("mode"), Some(4.0));
+    }
+
+    #[test]
+    fn functions_of_time_come_in_the_units_of_the_file() {
+        let (d, _) =
+            parse_str("type uniformFixedValue; uniformValue { type sine; frequency 0; level 3; }");
+        let poly = shapes::unit_box([1, 1, 1]);
+        let mesh = Mesh::new(&poly).unwrap();
+        let waves = WaveTable::default();
+        let patches = Patches { poly: &poly, waves: &waves, case: CaseContext::NONE };
+        let entries = vec![d; poly.patches.len()];
+        let dims = granflow_base::Dims::PRESSURE;
+        let all = conditions::<f64>(&entries, &mesh, patches, ("p", dims), 1000.0);
+        let mut p = granflow_fv::Unknown::new(&mesh, "p", dims, 0.0, all);
+        let around = granflow_fv::Surroundings::default();
+        p.update(&granflow_par::Exec::serial(), &mesh, &around, None);
+        assert_eq!(p.boundary_value(&mesh, mesh.n_inner), 3000.0);
     }
 }

@@ -123,11 +123,16 @@ pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Fl
     let n = mesh.n_cells;
     let entries = &case.start;
     let u_conditions =
-        conditions::<Vec3>(&entries.u.boundary, &mesh, case.patches(), Dims::VELOCITY, 1.0);
+        conditions::<Vec3>(&entries.u.boundary, &mesh, case.patches(), ("U", Dims::VELOCITY), 1.0);
     let mut u = Unknown::new(&mesh, "U", Dims::VELOCITY, [0.0; 3], u_conditions);
     u.cells.data[..n].copy_from_slice(&start.u);
-    let p_conditions =
-        conditions::<f64>(&entries.p.boundary, &mesh, case.patches(), Dims::PRESSURE, k);
+    let p_conditions = conditions::<f64>(
+        &entries.p.boundary,
+        &mesh,
+        case.patches(),
+        (config.pressure(), entries.p.dims),
+        k,
+    );
     let mut p = Unknown::new(&mesh, config.pressure(), Dims::PRESSURE, 0.0, p_conditions);
     p.cells.data[..n].iter_mut().zip(&start.p).for_each(|(p, v)| *p = k * v);
     let mut phi = FaceField::new(&mesh, "phi", Dims::VOLUME_FLUX, 0.0);
@@ -146,8 +151,13 @@ pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Fl
     mesh.halo.update(&exec, &mut u_old);
 
     let sol = &config.solution;
-    let g_conditions =
-        conditions::<f64>(&entries.fluidity.boundary, &mesh, case.patches(), Dims::RATE, 1.0);
+    let g_conditions = conditions::<f64>(
+        &entries.fluidity.boundary,
+        &mesh,
+        case.patches(),
+        ("fluidity", Dims::RATE),
+        1.0,
+    );
     let mut rheology = config.transport.rheology(FluidContext {
         density: rho,
         exec: &exec,
@@ -213,7 +223,7 @@ fn second_phase(
     };
     let (Some(field), Some(start)) = (&case.start.alpha, start) else { return (None, None) };
     let alpha_conditions =
-        conditions::<f64>(&field.boundary, mesh, case.patches(), Dims::NONE, 1.0);
+        conditions::<f64>(&field.boundary, mesh, case.patches(), (&field.name, Dims::NONE), 1.0);
     let mut alpha = Unknown::new(mesh, &field.name, Dims::NONE, 0.0, alpha_conditions);
     alpha.cells.data[..mesh.n_cells].copy_from_slice(&start);
     mesh.halo.update(exec, &mut alpha.cells.data);

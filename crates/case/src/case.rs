@@ -1,13 +1,16 @@
 //! A case, read and checked.
 
+use crate::boundary::Patches;
 use crate::collect::tidy;
 use crate::config::{ReferenceCell, StartFrom};
+use crate::files::DiskFiles;
 use crate::restart::{WholeState, start_dir};
 use crate::{CaseConfig, CaseError, Notices, WaveTable, Zones, config, figures, files};
 use crate::{meshing, sense, set_fields, strays};
 use granflow_base::{Dims, Tensor, Vec3, dot, norm, scale, sub, unit};
 use granflow_dict::{Diag, Reader, Sink, number};
 use granflow_flow::{Gravity, Source};
+use granflow_fv::conditions::CaseContext;
 use granflow_mesh::{Mesh, PolyMesh};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -61,6 +64,8 @@ impl Default for Options {
 pub struct Case {
     /// Its directory.
     pub root: PathBuf,
+    /// Its files.
+    pub files: DiskFiles,
     /// Its dictionaries.
     pub config: CaseConfig,
     /// Its mesh in the user's numbering.
@@ -118,7 +123,8 @@ impl Case {
         // What the options ask for has no place in a file.
         let said = options.from.is_none().then_some(&config.control.start_span);
         let dir = start_dir(root, from, said, sink)?;
-        let start = WholeState::read(root, &dir, &config, &poly, sink)?;
+        let end = options.until.unwrap_or(config.control.end);
+        let start = WholeState::read(root, &dir, (&config, end), &poly, sink)?;
         strays::check(root, &dir, &config, sink)?;
         for f in &config.functions {
             f.plan.check(&mesh, &config, sink);
@@ -133,10 +139,10 @@ impl Case {
         let whole = config.gravity.unwrap_or_default();
         let waves = WaveTable::read(root, &start, whole, (&poly, &mesh), sink)?;
         let sources = read_sources(root, &dir, &config, (&poly, &mesh), sink)?;
-        let end = options.until.unwrap_or(config.control.end);
         need_time_ahead(&config, options, &start, end, sink);
         let mut case = Case {
             root: root.to_owned(),
+            files: DiskFiles::new(root),
             config,
             poly,
             mesh: Arc::new(mesh),
@@ -170,9 +176,14 @@ impl Case {
         flow.iter().map(|g| tidy(g / self.config.acceleration_to_force())).collect()
     }
 
-    /// What conditions are made for: the patches and their waves.
-    pub fn patches(&self) -> (&PolyMesh, &WaveTable) {
-        (&self.poly, &self.waves)
+    /// What conditions are made for.
+    pub fn patches(&self) -> Patches<'_> {
+        let case = CaseContext {
+            files: &self.files,
+            density: self.config.transport.rho,
+            times: Some((self.start.time, self.end)),
+        };
+        Patches { poly: &self.poly, waves: &self.waves, case }
     }
 
     fn say(&self, notices: &Notices) {
@@ -194,7 +205,7 @@ impl Case {
             &p.boundary,
             &self.mesh,
             self.patches(),
-            p.dims,
+            (&p.name, p.dims),
             1.0,
         );
         let fixed = self.mesh.patches.iter().zip(&conditions);

@@ -5,6 +5,7 @@ use crate::files;
 use crate::store::StoreError;
 use granflow_base::Dims;
 use granflow_dict::{Diag, Dict, Format, Header, Reader, Severity, Sink, Writer};
+use granflow_fv::conditions::CaseContext;
 use granflow_mesh::{PatchKind, PolyMesh};
 use std::path::Path;
 
@@ -42,7 +43,7 @@ pub fn read_vol<T: FieldType>(
     time: &str,
     name: &str,
     accept: &[Dims],
-    poly: &PolyMesh,
+    (poly, case): (&PolyMesh, CaseContext<'_>),
     sink: &Sink,
 ) -> Result<Option<VolField<T>>, StoreError> {
     let Some(dict) = files::dict(root, Path::new(time).join(name), sink)? else { return Ok(None) };
@@ -60,11 +61,17 @@ pub fn read_vol<T: FieldType>(
         r.error_at(&r.key_span("internalField"), message, "holds nan or inf", None);
     }
     let boundary = match r.sub("boundaryField") {
-        Some(sub) => resolve::<T>(&sub, name, dims, poly),
+        Some(sub) => resolve::<T>(&sub, plain(name), dims, poly, case),
         None => Vec::new(),
     };
     r.finish(Severity::Warning);
     Ok(Some(VolField { name: name.into(), dims, cells, boundary }))
+}
+
+/// The name of the field whose conditions a file holds: an earlier time or the original of it has
+/// the same.
+fn plain(name: &str) -> &str {
+    name.strip_suffix("_0").or_else(|| name.strip_suffix(".orig")).unwrap_or(name)
 }
 
 fn check_class(dict: &Dict, class: &str, name: &str, sink: &Sink) {

@@ -2,6 +2,7 @@
 
 use crate::store::{Operation, StoreError};
 use granflow_dict::{Dict, Files, Sink, Source, decompress, parse};
+use granflow_fv::conditions::CaseFiles;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -28,6 +29,22 @@ impl Files for DiskFiles {
     }
     fn variable(&self, name: &str) -> Option<String> {
         std::env::var(name).ok()
+    }
+}
+
+impl CaseFiles for DiskFiles {
+    fn load(&self, path: &str) -> io::Result<Vec<u8>> {
+        read(&self.root.join(path))
+    }
+    fn folders(&self, path: &str) -> io::Result<Vec<String>> {
+        let mut names = Vec::new();
+        for entry in std::fs::read_dir(self.root.join(path))? {
+            let entry = entry?;
+            if entry.path().is_dir() {
+                names.extend(entry.file_name().into_string());
+            }
+        }
+        Ok(names)
     }
 }
 

@@ -1,10 +1,12 @@
 //! The state of a case at one time: what a time directory holds.
 
 use crate::fields::{VolField, read_surface, read_vol};
+use crate::files::DiskFiles;
 use crate::store::{StoreError, TimeName, list_times};
 use crate::{CaseConfig, CaseError, files};
 use granflow_base::{Dims, Vec3};
 use granflow_dict::{Diag, Format, Header, Reader, Severity, Sink, Span, Writer, number};
+use granflow_fv::conditions::CaseContext;
 use granflow_mesh::PolyMesh;
 use std::path::Path;
 
@@ -51,7 +53,7 @@ impl WholeState {
         self.p.dims == Dims::KINEMATIC_PRESSURE
     }
 
-    /// Reads the time directory `dir`. Mistakes go to the sink; `None` when a needed file is
+    /// Reads the time directory `dir` for a run until `end` (s). Mistakes go to the sink; `None` when a needed file is
     /// missing (which is one of them).
     ///
     /// # Errors
@@ -59,15 +61,21 @@ impl WholeState {
     pub fn read(
         root: &Path,
         dir: &str,
-        config: &CaseConfig,
+        (config, end): (&CaseConfig, f64),
         poly: &PolyMesh,
         sink: &Sink,
     ) -> Result<Option<WholeState>, CaseError> {
+        let on_disk = DiskFiles::new(root);
+        let case = CaseContext {
+            files: &on_disk,
+            density: config.transport.rho,
+            times: TimeName::parse(dir).map(|begin| (begin, end)),
+        };
         let missing = |name: &str, help: &str| {
             let path = root.join(dir).join(name).display().to_string();
             sink.push(Diag::file(path, format!("the field `{name}` is missing")).help(help));
         };
-        let u = read_vol::<Vec3>(root, dir, "U", &[Dims::VELOCITY], poly, sink)?;
+        let u = read_vol::<Vec3>(root, dir, "U", &[Dims::VELOCITY], (poly, case), sink)?;
         if u.is_none() {
             missing("U", "every case needs the velocity and its boundary conditions");
         }
@@ -76,16 +84,16 @@ impl WholeState {
         let second = config.transport.second.as_deref();
         // With two densities there is no pressure per density.
         let accept = if second.is_some() { &accept[..1] } else { &accept[..] };
-        let p = read_vol::<f64>(root, dir, pressure, accept, poly, sink)?;
+        let p = read_vol::<f64>(root, dir, pressure, accept, (poly, case), sink)?;
         let mut alpha = None;
         if let Some(second) = second {
             let name = second.alpha();
             let none = [Dims::NONE];
-            alpha = read_vol::<f64>(root, dir, &name, &none, poly, sink)?;
+            alpha = read_vol::<f64>(root, dir, &name, &none, (poly, case), sink)?;
             if alpha.is_none() {
                 // What tutorials copy into place before they fill it.
                 let original = format!("{name}.orig");
-                alpha = read_vol::<f64>(root, dir, &original, &none, poly, sink)?;
+                alpha = read_vol::<f64>(root, dir, &original, &none, (poly, case), sink)?;
             }
             match &mut alpha {
                 Some(field) => {
@@ -120,7 +128,7 @@ impl WholeState {
         }
         let rate = [Dims::RATE];
         let from_file = match config.transport.has_fluidity {
-            true => read_vol::<f64>(root, dir, "fluidity", &rate, poly, sink)?,
+            true => read_vol::<f64>(root, dir, "fluidity", &rate, (poly, case), sink)?,
             false => None,
         };
         let has_fluidity = from_file.is_some();
@@ -132,7 +140,8 @@ impl WholeState {
         }
         let phi = read_surface(root, dir, "phi", Dims::VOLUME_FLUX, poly, sink)?;
         let backward = config.schemes.ddt.remembers_two();
-        let u_old = match read_vol::<Vec3>(root, dir, "U_0", &[Dims::VELOCITY], poly, sink)? {
+        let u_old = match read_vol::<Vec3>(root, dir, "U_0", &[Dims::VELOCITY], (poly, case), sink)?
+        {
             Some(f) if backward => Some(f.cells),
             _ => None,
         };

@@ -211,7 +211,8 @@ fn gravity_along_a_cyclic_direction_drives_the_flow() {
     assert!((most / exact - 1.0).abs() < 0.01, "{most} {exact}");
     // p = p_rgh + rho g.x falls from the lower to the upper wall by rho g h.
     let dims = [granflow_base::Dims::PRESSURE];
-    let p = fields::read_vol::<f64>(dir.path(), "400", "p", &dims, &poly, &Sink::new());
+    let none = granflow_fv::conditions::CaseContext::NONE;
+    let p = fields::read_vol::<f64>(dir.path(), "400", "p", &dims, (&poly, none), &Sink::new());
     let p = p.unwrap().unwrap().cells;
     let (low, high) = p.iter().fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(*x), b.max(*x)));
     assert!((high - low - 9000.0 * h * 15.0 / 16.0).abs() < 0.01, "{low} {high}");

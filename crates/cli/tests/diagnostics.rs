@@ -114,6 +114,11 @@ bad! {
     wrong_dimensions: cavity().edit("0/U", "[0 1 -1 0 0 0 0]", "[0 1 -2 0 0 0 0]");
     height_of_one_phase: cavity().edit("0/U", "type        fixedValue;\n        value       uniform (1 0 0);", "type variableHeightFlowRateInletVelocity; flowRate 0.01; alpha alpha.water;");
     wrong_class: cavity().edit("0/U", "volVectorField", "volScalarField");
+    condition_with_code: cavity().edit("0/U", "type        noSlip;", "type codedFixedValue; name f; code #{ x #};");
+    condition_of_turbulence: cavity().edit("0/U", "noSlip", "nutUSpaldingWallFunction");
+    condition_of_a_moving_mesh: cavity().edit("0/U", "noSlip", "waveMaker");
+    formula_of_a_field: cavity().edit("0/U", "noSlip;", "exprFixedValue; valueExpr \"vector(mag(U), 0, 0)\";");
+    mapped_without_points: cavity().edit("0/U", "noSlip;", "timeVaryingMappedFixedValue;");
     unknown_condition: cavity().edit("0/U", "noSlip", "noSlipp");
     scalar_condition_on_vector: cavity().edit("0/U", "noSlip", "fixedFluxPressure");
     missing_condition: cavity().edit("0/p", "    lid\n    {\n        type        zeroGradient;\n    }\n", "");
@@ -126,6 +131,10 @@ bad! {
     list_shorter_than_it_says: cavity().edit("0/p", "uniform 0;", "nonuniform List<scalar> 16 (0 0 0);");
     field_not_finite: cavity().edit("0/p", "uniform 0;", "uniform nan;");
     bad_time_table: ring().edit("0.orig/U", "omega   0.2;", "omega   table ((0 0) (1 0.2) (0.5 0.3));");
+    time_function_unknown: ring().edit("0.orig/U", "omega   0.2;", "omega sinus; frequency 1;");
+    time_function_coded: ring().edit("0.orig/U", "omega   0.2;", "omega coded;");
+    time_table_too_short: ring().edit("0.orig/U", "omega   0.2;", "omega table ((0 0) (0.1 0.2)); outOfBounds error;");
+    time_file_missing: ring().edit("0.orig/U", "omega   0.2;", "omega { type tableFile; file \"<case>/constant/omega.dat\"; }");
     empty_time_table: ring().edit("0.orig/U", "omega   0.2;", "omega   table ();");
     macro_undefined_in_vector: cavity().edit("0/U", "uniform (1 0 0);", "uniform ($lidSpeed 0 0);");
     macro_undefined_as_type: cavity().edit("0/U", "type        noSlip;", "type        $wallType;");

@@ -208,12 +208,17 @@ impl Flow {
         let (rho, dynamic) = (&w.rho.data, &mut w.dynamic_pressure);
         for f in mesh.n_inner..mesh.n_faces() {
             let u = state.u.boundary_value(mesh, f);
+            w.face_velocity[f - mesh.n_inner] = u;
             dynamic[f - mesh.n_inner] =
                 0.5 * rho[mesh.owner[f] as usize] * granflow_base::dot(u, u);
         }
         let flux_gradient = two_phase.as_ref().map_or(&[][..], |t| t.work.wall_gradient());
-        let around =
-            Surroundings { dynamic_pressure: &w.dynamic_pressure, flux_gradient, ..around };
+        let around = Surroundings {
+            dynamic_pressure: &w.dynamic_pressure,
+            face_velocity: &w.face_velocity,
+            flux_gradient,
+            ..around
+        };
         state.p.update(exec, mesh, &around, Some(&state.phi));
     }
 }

@@ -83,6 +83,8 @@ pub(crate) struct Work {
     pub(crate) dynamic_pressure: Vec<f64>,
     /// Volume fraction of fluid 1 there, where there are two.
     pub(crate) face_fraction: Vec<f64>,
+    /// Velocity on boundary faces, m/s.
+    pub(crate) face_velocity: Vec<Vec3>,
     pub(crate) reconstruction: Reconstruction,
     /// Sum of the forces at work, from the last momentum residual, N.
     pub(crate) force: f64,
@@ -159,6 +161,7 @@ impl Work {
             compliance: CellField::new(m, "1/(2 eta)", Dims::VISCOSITY.inv(), 0.0),
             dynamic_pressure: vec![0.0; m.n_faces() - m.n_inner],
             face_fraction: vec![0.0; m.n_faces() - m.n_inner],
+            face_velocity: vec![[0.0; 3]; m.n_faces() - m.n_inner],
             reconstruction: Reconstruction::new(m),
             force: 0.0,
             coupled: Coupled::new(exec, m),

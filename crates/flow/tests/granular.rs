@@ -3,7 +3,8 @@
 mod common;
 use common::*;
 use granflow_flow::{Flow, Report};
-use granflow_fv::conditions::{Condition, RotatingWall, TimeTable};
+use granflow_fv::TimeFunction;
+use granflow_fv::conditions::{Condition, RotatingWall};
 use granflow_mesh::shapes;
 use granflow_physics::rheology::Form;
 
@@ -19,7 +20,7 @@ fn annular(nr: usize, v: f64, p: f64, form: Form, u0: impl Fn(f64) -> f64, outer
     }
     let rheology = ngf(&s.exec, &s.mesh, BEADS, form);
     let wall = |v: f64, r: f64| -> Box<dyn Condition<[f64; 3]>> {
-        let omega = TimeTable::constant(v / r);
+        let omega = TimeFunction::constant(v / r);
         Box::new(RotatingWall { origin: [0.0; 3], axis: [0.0, 0.0, 1.0], omega })
     };
     s.flow(

@@ -6,7 +6,8 @@ mod common;
 
 use common::*;
 use granflow_flow::{Flow, Report, ResidualControl, StepError, TimeScheme};
-use granflow_fv::conditions::{CoulombFriction, TimeTable, UniformFixedValue};
+use granflow_fv::TimeFunction;
+use granflow_fv::conditions::{CoulombFriction, UniformFixedValue};
 use granflow_fv::{Condition, Convection};
 use granflow_linsolve::Tolerance;
 use granflow_mesh::{PatchKind, shapes};
@@ -258,7 +259,8 @@ fn the_spurious_root_is_left() {
 fn conditions_that_stay_are_told_from_those_that_change() {
     let mut flow = annular(16, 1e-3, Form::Steady);
     assert!(flow.conditions_stay(1.0, 100.0));
-    let ramp = TimeTable::new(vec![(0.0, [0.0; 3]), (50.0, [0.0, 1e-3, 0.0])]).expect("sorted");
+    let ramp =
+        TimeFunction::table(vec![(0.0, [0.0; 3]), (50.0, [0.0, 1e-3, 0.0])]).expect("sorted");
     flow.state.u.conditions[0] = Box::new(UniformFixedValue { value: ramp });
     assert!(!flow.conditions_stay(1.0, 100.0));
 }

@@ -144,7 +144,8 @@ impl Point {
     fn hand_over(&self, case: &mut Case) -> Result<(), CaseError> {
         let Some((_, dir)) = list_times(&self.root)?.pop() else { return Ok(()) };
         let Some(dir) = dir.file_name().and_then(|d| d.to_str()) else { return Ok(()) };
-        let state = WholeState::read(&self.root, dir, &case.config, &case.poly, &Sink::new());
+        let state =
+            WholeState::read(&self.root, dir, (&case.config, case.end), &case.poly, &Sink::new());
         let Ok(Some(state)) = state else { return Ok(()) };
         let start = &mut case.start;
         if state.u.cells.len() != start.u.cells.len() {

@@ -159,7 +159,7 @@ pub fn local<L: granflow_physics::LocalLaw + 'static>(law: L) -> Box<dyn Rheolog
 
 /// A wall that turns about the z axis with its face points at speed `v` at radius `r`.
 pub fn turning(v: f64, r: f64) -> Box<dyn Condition<Vec3>> {
-    let omega = granflow_fv::conditions::TimeTable::constant(v / r);
+    let omega = granflow_fv::TimeFunction::constant(v / r);
     let axis = [0.0, 0.0, 1.0];
     Box::new(granflow_fv::conditions::RotatingWall { origin: [0.0; 3], axis, omega })
 }

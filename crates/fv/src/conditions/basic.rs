@@ -44,7 +44,11 @@ impl<T: Value> FixedValue<T> {
     pub fn per_face(values: Vec<T>) -> Self {
         FixedValue { name: "fixedValue", values }
     }
-    /// The same under another name (`noSlip`).
+    /// The same under another name (`movingWallVelocity`).
+    pub(super) fn under_name(name: &'static str, values: Vec<T>) -> Self {
+        FixedValue { name, values }
+    }
+    /// A uniform value under another name (`noSlip`).
     pub fn named(name: &'static str, v: T) -> Self {
         FixedValue { name, values: vec![v] }
     }
@@ -70,6 +74,21 @@ impl<T: Value> Condition<T> for FixedValue<T> {
 
 /// Neumann with zero gradient: the face takes the cell's value.
 pub struct ZeroGradient;
+
+/// Zero gradient under the name of a condition whose value is an outcome.
+pub(super) struct Calculated(pub(super) &'static str);
+impl<T: Value> Condition<T> for Calculated {
+    fn name(&self) -> &'static str {
+        self.0
+    }
+    fn update(&mut self, _: &PatchView<'_, T>, closure: &mut PatchClosure<'_, T>) {
+        closure.free();
+    }
+    fn entries(&self) -> Vec<(String, String)> {
+        Vec::new()
+    }
+}
+
 impl<T: Value> Condition<T> for ZeroGradient {
     fn name(&self) -> &'static str {
         "zeroGradient"

@@ -11,32 +11,54 @@
 
 mod basic;
 mod contact_angle;
+mod context;
 mod coulomb_friction;
+mod expression;
 mod flow_direction;
 mod flow_rate;
+mod freestream;
+mod hydrostatic;
 mod local_fluidity;
+mod mapped;
+mod mean;
+mod mixed;
+mod moving_wall;
+mod normal_part;
 mod pressure;
+mod pressure_inlet;
+mod profile;
+mod read;
+mod refused;
 mod registry;
 mod rotating;
 mod slip;
-mod table;
+mod surface_normal;
+mod swirl;
+#[cfg(test)]
+mod testing;
+mod total_pressure;
+mod uniform;
 mod variable_height;
 mod wave;
 
 pub use basic::{FixedGradient, FixedValue, ZeroGradient};
 pub use contact_angle::{ConstantAlphaContactAngle, ContactLimit};
+pub use context::{CaseContext, CaseFiles, NoCaseFiles, PatchContext, WavePatch};
 pub use coulomb_friction::CoulombFriction;
-pub use flow_direction::{InletOutlet, PressureInletOutletVelocity};
-pub use flow_rate::{FlowRateInlet, FlowRateOutlet};
+pub use flow_direction::InletOutlet;
+pub use flow_rate::{FlowRate, FlowRateInlet, FlowRateOutlet};
 pub use local_fluidity::LocalFluidity;
-pub use pressure::{FixedFluxPressure, PrghPressure, TotalPressure};
-pub use registry::{ALL, Entry, PatchContext, WavePatch, read_scalar, read_vector};
+pub use pressure::{FixedFluxPressure, PrghPressure};
+pub use refused::{REFUSED, Reason, Refused, refused};
+pub use registry::{ALL, Entry, read_scalar, read_vector};
 pub use rotating::RotatingWall;
 pub use slip::Slip;
-pub use table::{TimeTable, UniformFixedValue};
+pub use total_pressure::TotalPressure;
+pub use uniform::UniformFixedValue;
 pub use variable_height::{VariableHeightFlowRate, VariableHeightFlowRateInlet};
 pub use wave::{WaveAlpha, WaveVelocity};
 
+pub(crate) use basic::text as value_text;
 use granflow_base::{Value, Vec3};
 use std::ops::Range;
 
@@ -108,6 +130,9 @@ pub struct Surroundings<'a> {
     pub contact_gradient: &'a [f64],
     /// `rho U^2/2` on all boundary faces, Pa (for total pressures); empty where it does not apply.
     pub dynamic_pressure: &'a [f64],
+    /// Velocity on all boundary faces, m/s (for pressures that depend on it); empty where it does not
+    /// apply.
+    pub face_velocity: &'a [Vec3],
     /// Pressure on all boundary faces, Pa (for walls with friction); empty where there are none.
     pub wall_pressure: &'a [f64],
     /// Viscosity there, Pa s.

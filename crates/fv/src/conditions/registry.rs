@@ -1,56 +1,20 @@
 //! The conditions by name: one line each feeds the reader, the message about unknown names,
 //! `granflow list conditions` and the book.
 
+use super::basic::Calculated;
+use super::read::{field_values, leave_flux, leave_value};
 use super::{
     Condition, ConstantAlphaContactAngle, ContactLimit, CoulombFriction, FixedFluxPressure,
-    FixedGradient, FixedValue, FlowRateInlet, FlowRateOutlet, InletOutlet, LocalFluidity,
-    OfPatchType, PressureInletOutletVelocity, PrghPressure, RotatingWall, Slip, TimeTable,
-    TotalPressure, UniformFixedValue, VariableHeightFlowRate, VariableHeightFlowRateInlet,
-    WaveAlpha, WaveVelocity, ZeroGradient,
+    FixedGradient, FixedValue, FlowRate, FlowRateInlet, FlowRateOutlet, InletOutlet, LocalFluidity,
+    OfPatchType, PatchContext, PrghPressure, Reason, RotatingWall, Slip, VariableHeightFlowRate,
+    VariableHeightFlowRateInlet, WaveAlpha, WaveVelocity, ZeroGradient, expression, freestream,
+    hydrostatic, mapped, mean, mixed, moving_wall, normal_part, pressure_inlet, profile, refused,
+    surface_normal, swirl, total_pressure, uniform,
 };
-use crate::waves::{Frame, Source};
+use crate::time_function::TimeFunction;
 use granflow_base::{Dims, Value, Vec3, norm, unit};
-use granflow_dict::{CONSTRAINT_TYPES, Dict, FieldValue, Reader, Sink};
+use granflow_dict::{CONSTRAINT_TYPES, Reader};
 use granflow_mesh::PatchKind;
-
-/// What reading a condition may depend on.
-#[derive(Clone, Copy, Debug)]
-pub struct PatchContext<'a> {
-    /// Name of the patch.
-    pub patch: &'a str,
-    /// Its kind in the mesh.
-    pub kind: &'a PatchKind,
-    /// Its number of faces (on all ranks together for uniform values this does not matter).
-    pub n_faces: usize,
-    /// Number of inner faces of the mesh.
-    pub n_inner: usize,
-    /// Dimensions of the field.
-    pub dims: Dims,
-    /// Waves at the patch; `None` where there are none, or before the depth of the water is known.
-    pub wave: Option<WavePatch<'a>>,
-}
-
-/// Waves at a patch, checked.
-#[derive(Clone, Copy, Debug)]
-pub struct WavePatch<'a> {
-    /// The patch's entry of `waveProperties`.
-    pub entry: &'a Dict,
-    /// Directions, extent and still water of the whole patch.
-    pub frame: Frame,
-    /// Of the patch's faces the lowest and highest point over the patch's lowest, m.
-    pub spans: &'a [[f64; 2]],
-    /// Their centres, m.
-    pub centres: &'a [Vec3],
-}
-
-impl WavePatch<'_> {
-    /// What the conditions need. Mistakes were reported when the entry was checked.
-    fn source(&self) -> Source {
-        let silent = Sink::new();
-        let r = Reader::new(self.entry, &silent);
-        Source::read(&r, self.frame).on(self.spans.to_vec(), self.centres)
-    }
-}
 
 type ReadScalar = fn(&Reader<'_>, &PatchContext<'_>) -> Box<dyn Condition<f64>>;
 type ReadVector = fn(&Reader<'_>, &PatchContext<'_>) -> Box<dyn Condition<Vec3>>;
@@ -69,19 +33,8 @@ pub struct Entry {
     pub vector: Option<ReadVector>,
 }
 
-fn values<T: Value>(r: &Reader<'_>, key: &str, n: usize) -> Vec<T> {
-    match r.field::<T>(key, n) {
-        FieldValue::Uniform(v) => vec![v],
-        FieldValue::NonUniform(v) if v.is_empty() => vec![T::ZERO],
-        FieldValue::NonUniform(v) => v,
-    }
-}
-/// Entries that OpenFOAM's own output carries along without meaning for the condition.
-fn leave_value(r: &Reader<'_>) {
-    r.ignore("value");
-}
 fn fixed_value<T: Value>(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<T>> {
-    Box::new(FixedValue::per_face(values(r, "value", c.n_faces)))
+    Box::new(FixedValue::per_face(field_values(r, "value", c)))
 }
 fn zero_gradient<T: Value>(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<T>> {
     leave_value(r);
@@ -89,16 +42,12 @@ fn zero_gradient<T: Value>(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Cond
 }
 fn fixed_gradient<T: Value>(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<T>> {
     leave_value(r);
-    Box::new(FixedGradient::new(values(r, "gradient", c.n_faces)))
+    Box::new(FixedGradient::new(field_values(r, "gradient", c)))
 }
 fn inlet_outlet<T: Value>(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<T>> {
     leave_value(r);
-    r.ignore("phi");
-    Box::new(InletOutlet::new(values(r, "inletValue", c.n_faces)))
-}
-fn uniform_fixed_value<T: Value>(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<T>> {
-    leave_value(r);
-    Box::new(UniformFixedValue { value: TimeTable::read(r, "uniformValue", c.dims) })
+    leave_flux(r);
+    Box::new(InletOutlet::new(field_values(r, "inletValue", c)))
 }
 fn slip<T: Value>(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<T>> {
     leave_value(r);
@@ -107,7 +56,7 @@ fn slip<T: Value>(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<T>>
 fn prgh_pressure(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
     leave_value(r);
     r.ignore("rho");
-    Box::new(PrghPressure::new(values(r, "p", c.n_faces)))
+    Box::new(PrghPressure::new(field_values(r, "p", c)))
 }
 fn fixed_flux_pressure(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
     leave_value(r);
@@ -116,22 +65,6 @@ fn fixed_flux_pressure(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Conditio
     }
     Box::new(FixedFluxPressure::new(c.n_inner))
 }
-fn total_pressure(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
-    leave_value(r);
-    constant_of_total_pressure(r);
-    Box::new(TotalPressure::new(values(r, "p0", c.n_faces), c.n_inner))
-}
-fn prgh_total_pressure(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
-    leave_value(r);
-    constant_of_total_pressure(r);
-    Box::new(TotalPressure::with_weight(values(r, "p0", c.n_faces), c.n_inner))
-}
-/// Names of fields, which are what they are called here, and what only gases have.
-fn constant_of_total_pressure(r: &Reader<'_>) {
-    for key in ["U", "phi", "rho", "psi", "gamma"] {
-        r.ignore(key);
-    }
-}
 fn contact_angle(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
     leave_value(r);
     r.ignore("gradient");
@@ -139,40 +72,20 @@ fn contact_angle(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>
     let limit = r.one_of("limit", &ContactLimit::ALL);
     Box::new(ConstantAlphaContactAngle { theta0, limit, n_inner: c.n_inner })
 }
-fn pressure_inlet_outlet(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+fn calculated<T: Value>(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<T>> {
     leave_value(r);
-    r.ignore("phi");
-    if r.has("tangentialVelocity") {
-        r.error_at_key(
-            "tangentialVelocity",
-            "a tangential velocity is not supported",
-            "set here",
-            None,
-        );
-    }
-    Box::new(PressureInletOutletVelocity)
+    Box::new(Calculated("calculated"))
 }
-/// `volumetricFlowRate`, the one form whose meaning does not depend on a density.
-fn flow_rate(r: &Reader<'_>) -> TimeTable<f64> {
+fn extrapolated<T: Value>(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<T>> {
     leave_value(r);
-    for key in ["rho", "rhoInlet", "rhoOutlet"] {
-        r.ignore(key);
-    }
-    if r.has("massFlowRate") {
-        let help = "give the volume per second: `volumetricFlowRate`";
-        r.error_at_key("massFlowRate", "a mass flow rate is not supported", "set here", Some(help));
-    }
-    if r.opt_switch("extrapolateProfile", false) {
-        let message = "a flow rate with an extrapolated profile is not supported";
-        r.error_at_key("extrapolateProfile", message, "set here", None);
-    }
-    TimeTable::read(r, "volumetricFlowRate", Dims::VOLUME_FLUX)
+    Box::new(Calculated("extrapolatedCalculated"))
 }
-fn flow_rate_inlet(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
-    Box::new(FlowRateInlet { rate: flow_rate(r) })
+fn flow_rate_inlet(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    let extrapolates = r.opt_switch("extrapolateProfile", false);
+    Box::new(FlowRateInlet { rate: FlowRate::read(r, c, "rhoInlet"), extrapolates })
 }
-fn flow_rate_outlet(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
-    Box::new(FlowRateOutlet { rate: flow_rate(r) })
+fn flow_rate_outlet(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    Box::new(FlowRateOutlet { rate: FlowRate::read(r, c, "rhoOutlet") })
 }
 fn local_fluidity(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
     leave_value(r);
@@ -188,14 +101,14 @@ fn coulomb_friction(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<V
     let wall_velocity = r.vector("wallVelocity", c.dims);
     Box::new(CoulombFriction { mu, wall_velocity, n_inner: c.n_inner })
 }
-fn rotating_wall(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+fn rotating_wall(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
     leave_value(r);
     let origin = r.vector("origin", Dims::LENGTH);
     let axis = r.vector("axis", Dims::NONE);
     if norm(axis) == 0.0 {
         r.error_at_key("axis", "the axis of rotation has no direction", "zero vector", None);
     }
-    let omega = TimeTable::read(r, "omega", Dims::RATE);
+    let omega = TimeFunction::read(r, "omega", Dims::RATE, c.case);
     Box::new(RotatingWall { origin, axis: unit(axis), omega })
 }
 fn wave_alpha(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
@@ -229,7 +142,7 @@ fn variable_height_inlet(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condit
     leave_value(r);
     // The name of the volume fraction, of which there is one.
     r.ignore("alpha");
-    let rate = TimeTable::read(r, "flowRate", Dims::VOLUME_FLUX);
+    let rate = TimeFunction::read(r, "flowRate", Dims::VOLUME_FLUX, c.case);
     Box::new(VariableHeightFlowRateInlet { rate, n_inner: c.n_inner })
 }
 
@@ -263,12 +176,30 @@ pub const ALL: &[Entry] = &[
         scalar: Some(inlet_outlet),
         vector: Some(inlet_outlet),
     },
+    uniform::FIXED_VALUE,
+    uniform::FIXED_GRADIENT,
+    uniform::INLET_OUTLET,
+    mixed::ENTRY,
+    profile::ENTRY,
+    mapped::ENTRY,
+    expression::ENTRY,
+    mean::FIXED_MEAN,
+    mean::OUTLET_INLET,
+    normal_part::OUTLET_INLET,
+    freestream::EITHER,
     Entry {
-        name: "uniformFixedValue",
-        summary: "Dirichlet: one value for the patch, constant or a table against time",
+        name: "calculated",
+        summary: "of a value that follows from others; of a field that is solved for, zero gradient",
         reference: "OpenFOAM user guide, boundary conditions",
-        scalar: Some(uniform_fixed_value),
-        vector: Some(uniform_fixed_value),
+        scalar: Some(calculated),
+        vector: Some(calculated),
+    },
+    Entry {
+        name: "extrapolatedCalculated",
+        summary: "zero gradient under another name",
+        reference: "OpenFOAM user guide, boundary conditions",
+        scalar: Some(extrapolated),
+        vector: Some(extrapolated),
     },
     Entry {
         name: "slip",
@@ -291,20 +222,13 @@ pub const ALL: &[Entry] = &[
         scalar: Some(fixed_flux_pressure),
         vector: None,
     },
-    Entry {
-        name: "totalPressure",
-        summary: "the pressure less rho U^2/2 where the flow enters, as it is where it leaves",
-        reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, 1967, ch. 3.5",
-        scalar: Some(total_pressure),
-        vector: None,
-    },
-    Entry {
-        name: "prghTotalPressure",
-        summary: "totalPressure of p where the field is p_rgh = p - rho G.x",
-        reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, 1967, ch. 3.5",
-        scalar: Some(prgh_total_pressure),
-        vector: None,
-    },
+    total_pressure::TOTAL,
+    total_pressure::UNIFORM,
+    total_pressure::ROTATING,
+    hydrostatic::UNIFORM,
+    hydrostatic::OF_PHASE,
+    freestream::PRESSURE,
+    total_pressure::OF_PRESSURE,
     Entry {
         name: "constantAlphaContactAngle",
         summary: "of a volume fraction: the interface meets the wall at the angle theta0 (degrees, \
@@ -320,26 +244,33 @@ pub const ALL: &[Entry] = &[
         scalar: Some(local_fluidity),
         vector: None,
     },
-    Entry {
-        name: "pressureInletOutletVelocity",
-        summary: "where the pressure is given: free where the flow leaves, along the normal where it \
-                  enters",
-        reference: "OpenFOAM user guide, boundary conditions",
-        scalar: None,
-        vector: Some(pressure_inlet_outlet),
-    },
+    pressure_inlet::OUTLET,
+    pressure_inlet::NORMAL,
+    pressure_inlet::UNIFORM,
+    pressure_inlet::DIRECTED,
+    pressure_inlet::DIRECTED_OUTLET,
+    pressure_inlet::NORMAL_OUTLET,
+    pressure_inlet::SLIP,
+    pressure_inlet::ROTATING,
+    normal_part::FIXED_NORMAL_OUTLET,
+    freestream::VELOCITY,
+    surface_normal::GIVEN,
+    surface_normal::UNIFORM,
+    swirl::CYLINDRICAL,
+    swirl::BY_RADIUS,
+    swirl::FLOW_RATE,
     Entry {
         name: "flowRateInletVelocity",
-        summary: "inflow of a given volume per second, the same speed along the normal everywhere, \
-                  constant or a table against time",
+        summary: "inflow of a given volume (or mass) per second, a function of time: the same speed \
+                  along the normal everywhere, or with extrapolateProfile as it arrives",
         reference: "OpenFOAM user guide, boundary conditions",
         scalar: None,
         vector: Some(flow_rate_inlet),
     },
     Entry {
         name: "flowRateOutletVelocity",
-        summary: "outflow of a given volume per second with the profile that arrives, constant or a \
-                  table against time",
+        summary: "outflow of a given volume (or mass) per second with the profile that arrives, a \
+                  function of time",
         reference: "OpenFOAM user guide, boundary conditions",
         scalar: None,
         vector: Some(flow_rate_outlet),
@@ -355,7 +286,7 @@ pub const ALL: &[Entry] = &[
     Entry {
         name: "variableHeightFlowRateInletVelocity",
         summary: "inflow of a given volume per second through the part of the patch that the first \
-                  fluid fills, constant or a table against time",
+                  fluid fills, a function of time",
         reference: "OpenFOAM user guide, boundary conditions",
         scalar: None,
         vector: Some(variable_height_inlet),
@@ -383,6 +314,10 @@ pub const ALL: &[Entry] = &[
         scalar: None,
         vector: Some(no_slip),
     },
+    moving_wall::TRANSLATING,
+    moving_wall::MOVING,
+    normal_part::PARTIAL_SLIP,
+    normal_part::FIXED_NORMAL_SLIP,
     Entry {
         name: "coulombFriction",
         summary: "a wall that holds up to the traction mu P; beyond it the material slides and \
@@ -393,7 +328,7 @@ pub const ALL: &[Entry] = &[
     },
     Entry {
         name: "rotatingWallVelocity",
-        summary: "no slip on a wall that turns about an axis, omega constant or a table against time",
+        summary: "no slip on a wall that turns about an axis, omega a function of time",
         reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, 1967, ch. 4.5",
         scalar: None,
         vector: Some(rotating_wall),
@@ -433,7 +368,7 @@ fn read<T: Value, F: Copy>(
         }
         return Box::new(dictated);
     }
-    let word = r.raw("type").and_then(|t| t.first()).and_then(|t| t.word()).unwrap_or("");
+    let word = r.dict().word("type").unwrap_or("");
     if CONSTRAINT_TYPES.contains(&word) {
         let (patch, kind) = (context.patch, context.kind.word());
         let message =
@@ -444,6 +379,17 @@ fn read<T: Value, F: Copy>(
         );
         r.error_at_key("type", message, format!("the mesh says {kind}"), Some(&help));
         r.ignore_all();
+        return Box::new(ZeroGradient);
+    }
+    if let Some(found) = refused(word) {
+        r.ignore_all();
+        let message = format!("the condition `{word}` is not supported: {}", found.reason.text());
+        let help = match (found.remedy, found.reason) {
+            ("", _) => None,
+            (remedy, Reason::PatchType) => Some(remedy.to_owned()),
+            (remedy, _) => Some(format!("in its place: {remedy}")),
+        };
+        r.error_at_key("type", message, "refused", help.as_deref());
         return Box::new(ZeroGradient);
     }
     let known: Vec<(&str, Option<F>)> =

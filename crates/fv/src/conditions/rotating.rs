@@ -1,7 +1,8 @@
 //! A wall that turns about an axis.
 
 use super::basic::text;
-use super::{Condition, PatchClosure, PatchView, TimeTable};
+use super::{Condition, PatchClosure, PatchView};
+use crate::time_function::TimeFunction;
 use granflow_base::{Vec3, cross, scale, sub};
 
 /// Velocity of a solid body turning about an axis: `omega(t) axis x (x - origin)`, without slip.
@@ -11,7 +12,7 @@ pub struct RotatingWall {
     /// Unit vector along the axis.
     pub axis: Vec3,
     /// Angular velocity in rad/s against time.
-    pub omega: TimeTable<f64>,
+    pub omega: TimeFunction<f64>,
 }
 impl Condition<Vec3> for RotatingWall {
     fn name(&self) -> &'static str {
@@ -31,10 +32,8 @@ impl Condition<Vec3> for RotatingWall {
         true
     }
     fn entries(&self) -> Vec<(String, String)> {
-        vec![
-            ("origin".into(), text(self.origin)),
-            ("axis".into(), text(self.axis)),
-            ("omega".into(), self.omega.text()),
-        ]
+        let mut out = vec![("origin".into(), text(self.origin)), ("axis".into(), text(self.axis))];
+        out.extend(self.omega.entries("omega"));
+        out
     }
 }

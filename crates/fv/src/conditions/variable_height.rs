@@ -1,6 +1,7 @@
 //! Inflow of a given volume per second through the part of a patch that fluid 1 fills.
 
-use super::{Condition, PatchClosure, PatchView, TimeTable};
+use super::{Condition, PatchClosure, PatchView};
+use crate::time_function::TimeFunction;
 use granflow_base::{Vec3, norm, scale};
 use granflow_dict::number;
 
@@ -36,7 +37,7 @@ impl Condition<f64> for VariableHeightFlowRate {
 /// together.
 pub struct VariableHeightFlowRateInlet {
     /// What enters, m3/s, against time.
-    pub rate: TimeTable<f64>,
+    pub rate: TimeFunction<f64>,
     /// Number of inner faces of the mesh.
     pub n_inner: usize,
 }
@@ -71,7 +72,7 @@ impl Condition<Vec3> for VariableHeightFlowRateInlet {
         }
     }
     fn entries(&self) -> Vec<(String, String)> {
-        vec![("flowRate".into(), self.rate.text())]
+        self.rate.entries("flowRate")
     }
 }
 
@@ -117,7 +118,7 @@ mod tests {
     fn what_enters_is_the_rate_of_fluid_1() {
         let condition = |mesh: &Mesh| -> Box<dyn Condition<Vec3>> {
             Box::new(VariableHeightFlowRateInlet {
-                rate: TimeTable::constant(0.75),
+                rate: TimeFunction::constant(0.75),
                 n_inner: mesh.n_inner,
             })
         };

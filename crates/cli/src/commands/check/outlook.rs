@@ -83,7 +83,7 @@ fn drives(case: &Case) -> (Vec<Drive>, f64) {
         &case.start.u.boundary,
         mesh,
         case.patches(),
-        Dims::VELOCITY,
+        ("U", Dims::VELOCITY),
         1.0,
     );
     let mut u = Unknown::new(mesh, "U", Dims::VELOCITY, [0.0; 3], conditions);

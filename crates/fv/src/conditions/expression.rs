@@ -1,0 +1,103 @@
+//! A formula of place and time.
+
+use super::read::leave_value;
+use super::{Condition, Entry, PatchClosure, PatchContext, PatchView};
+use crate::formula::{Formula, Place, Quantity};
+use crate::time_function::{of_components, raw_text};
+use granflow_base::Value;
+use granflow_dict::Reader;
+
+/// Dirichlet: a formula.
+struct ExprFixedValue {
+    /// `None` where it was wrong.
+    formula: Option<Formula>,
+    /// From the units of the file to those inside.
+    factor: f64,
+    entries: Vec<(String, String)>,
+}
+impl<T: Value> Condition<T> for ExprFixedValue {
+    fn name(&self) -> &'static str {
+        "exprFixedValue"
+    }
+    fn update(&mut self, view: &PatchView<'_, T>, closure: &mut PatchClosure<'_, T>) {
+        closure.fix(T::ZERO);
+        let Some(formula) = &mut self.formula else { return };
+        for (i, o) in closure.offset.iter_mut().enumerate() {
+            let time = view.around.time;
+            let place = Place { position: view.centre[i], area: view.area[i], time };
+            let value: T = match formula.at(&place) {
+                Quantity::Scalar(x) => of_components(&[x]),
+                Quantity::Vector(v) => of_components(&v),
+            };
+            *o = value.scaled(self.factor);
+        }
+    }
+    fn fixes_value(&self) -> bool {
+        true
+    }
+    fn entries(&self) -> Vec<(String, String)> {
+        self.entries.clone()
+    }
+}
+
+pub(super) const ENTRY: Entry = Entry {
+    name: "exprFixedValue",
+    summary: "Dirichlet: a formula of pos(), time(), normal() and variables",
+    reference: "OpenFOAM user guide, boundary conditions",
+    scalar: Some(read),
+    vector: Some(read),
+};
+
+fn read<T: Value>(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<T>> {
+    leave_value(r);
+    let text = r.string("valueExpr");
+    let variables: Vec<&str> = match r.has("variables") {
+        true => definitions(r),
+        false => Vec::new(),
+    };
+    let formula = match Formula::new(&variables, text, T::N == 3) {
+        Ok(formula) => Some(formula),
+        Err((place, e)) => {
+            if !text.is_empty() {
+                let (key, what) = match place {
+                    None => ("valueExpr", text),
+                    Some(k) => ("variables", variables[k]),
+                };
+                let message = format!("the formula `{what}` cannot be evaluated");
+                r.error_at_key(key, message, e.to_string(), None);
+            }
+            None
+        }
+    };
+    let given = |k: &str| Some((k.to_owned(), raw_text(r.dict().get(k)?)));
+    let entries = ["variables", "valueExpr"].into_iter().filter_map(given).collect();
+    Box::new(ExprFixedValue { formula, factor: c.factor, entries })
+}
+
+/// `("a = 1" "b = 2*a")`, or one text with `;` between them.
+fn definitions<'a>(r: &Reader<'a>) -> Vec<&'a str> {
+    let Some(tokens) = r.raw("variables") else {
+        r.error_at_key("variables", "`variables` must be a list of texts", "not a list", None);
+        return Vec::new();
+    };
+    let inner = tokens.iter().find_map(|t| t.list()).unwrap_or(tokens);
+    let texts = inner.iter().filter_map(|t| t.text());
+    texts.flat_map(|t| t.split(';')).filter(|t| !t.trim().is_empty()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::conditions::testing::*;
+
+    #[test]
+    fn a_formula_of_place_and_time() {
+        let text = "type exprFixedValue; variables (\"a = 2\" \"y = pos().y()\"); \
+                    valueExpr \"vector(4*y*(1 - y)*(1 + a*time()), 0, 0)\";";
+        // At y = 1/4 and 3/4.
+        assert_eq!(Probe::of::<[f64; 3]>(text).at(0.5).values([[9.0; 3]; 4]), [[1.5, 0.0, 0.0]; 4]);
+        let text = "type exprFixedValue; valueExpr \"time() > 1 ? 3 : 5\";";
+        assert_eq!(Probe::of::<f64>(text).at(2.0).values([9.0; 4]), [3.0; 4]);
+        let said = mistakes::<f64>("type exprFixedValue; valueExpr \"2*snGrad(U)\";").to_string();
+        assert!(said.contains("text:1:32") && said.contains("`snGrad` is no function"), "{said}");
+    }
+}
