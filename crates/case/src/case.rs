@@ -1,6 +1,7 @@
 //! A case, read and checked.
 
 use crate::config::{ReferenceCell, StartFrom};
+use crate::functions::{Remembered, remembered};
 use crate::restart::{WholeState, start_dir};
 use crate::{CaseConfig, CaseError, Notices, WaveTable, figures, meshing, set_fields};
 use granflow_base::{Tensor, Vec3, dot, norm, scale, sub, unit};
@@ -69,6 +70,8 @@ pub struct Case {
     pub mesh_made: bool,
     /// The state to start from.
     pub start: WholeState,
+    /// What the time directory to start from knows of each function.
+    pub remembered: Vec<Option<Remembered>>,
     /// Fields that setFieldsDict or setAlphaFieldDict changed, which are not so on the disk.
     pub fields_set: Vec<String>,
     /// Waves at its patches.
@@ -125,6 +128,8 @@ impl Case {
         if start.step == 0 && !start.restarted {
             fields_set = set_fields::apply(root, &poly, &mesh, &mut start, sink, notices)?;
         }
+        let functions = &config.functions;
+        let remembered = remembered::read(root, &start.dir, functions, &poly, sink, notices)?;
         let whole = config.gravity.unwrap_or_default();
         let waves = WaveTable::read(root, &start, whole, (&poly, &mesh), sink)?;
         let end = options.until.unwrap_or(config.control.end);
@@ -136,6 +141,7 @@ impl Case {
             mesh: Arc::new(mesh),
             mesh_made: loaded.made,
             start,
+            remembered,
             fields_set,
             waves,
             gravity,

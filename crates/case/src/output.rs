@@ -2,7 +2,7 @@
 
 use crate::boundary::of_kind;
 use crate::fields::{Sheet, VolField};
-use crate::functions::Written;
+use crate::functions::{Info, Whole, Written, field_file, remembered};
 use crate::restart::Clock;
 use crate::store::{Operation, StoreError, TimeWriter, write_atomic, write_whole};
 use crate::worker::Sheets;
@@ -39,8 +39,8 @@ impl Tables {
     ) -> Result<(), StoreError> {
         for w in written {
             match w {
-                Written::File { file, text } => {
-                    write_whole(&self.root.join(name).join(time).join(file), text.as_bytes())?;
+                Written::File { file, bytes } => {
+                    write_whole(&self.root.join(name).join(time).join(file), &bytes)?;
                 }
                 Written::Line { file, header, line } => {
                     let path = self.root.join(name).join(&self.start).join(file);
@@ -68,12 +68,22 @@ fn append(path: &Path, line: &str) -> Result<(), StoreError> {
     })
 }
 
+/// What functions add to a time directory.
+#[derive(Default)]
+pub(crate) struct MadeFields {
+    /// Their fields.
+    pub(crate) fields: Vec<(Info, Whole)>,
+    /// What a restart must know of them.
+    pub(crate) memories: Vec<remembered::Memory>,
+}
+
 /// Writes the time directory `name`, whole or not at all.
 pub(crate) fn write_time(
     case: &Case,
     name: &str,
     clock: &Clock,
     s: &Sheets,
+    made: &MadeFields,
 ) -> Result<(), CaseError> {
     let (control, entries, k) = (&case.config.control, &case.start, case.pressure_factor());
     let mut dir = TimeWriter::begin(&case.root, name)?.compressed(control.compression);
@@ -132,6 +142,13 @@ pub(crate) fn write_time(
             let numbers: Vec<f64> = (0..p.len()).map(number).collect();
             derived("inertialNumber", Dims::NONE, &numbers)?;
         }
+    }
+    for (info, whole) in &made.fields {
+        let dims = info.unit.dims(entries.p.dims);
+        dir.file(&info.name, &field_file(info, dims, whole, &sheet(&info.name, dims)))?;
+    }
+    if !made.memories.is_empty() {
+        dir.file_plain(remembered::PROPERTIES, &remembered::properties(name, &made.memories))?;
     }
     dir.file_plain("uniform/time", &clock.text(name))?;
     for (file, text) in case.waves.sheets(&case.poly, name) {

@@ -49,12 +49,7 @@ impl Parser<'_> {
             "include" => self.include(c, span, false, None),
             "includeIfPresent" | "sinclude" => self.include(c, span, true, None),
             "includeEtc" => self.include_etc(c, span),
-            "includeFunc" => {
-                let line = rest_of_line(c, span);
-                let help = "granflow does not read OpenFOAM's packaged functions; write the function's dictionary in full";
-                let d = Diag::error(&line, "`#includeFunc` is not available");
-                self.push(d.label("refused").help(help));
-            }
+            "includeFunc" => self.include_func(c, span),
             "inputMode" => self.input_mode(c),
             "remove" => self.remove(c, span),
             "if" | "ifeq" => self.conditional(c, name, span),

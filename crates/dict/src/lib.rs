@@ -30,8 +30,8 @@
 //!
 //! Expanded on the way: `$name`, `${name}`, `$:from.the.top`, `$.here`, `$..parent`, `#include`,
 //! `#includeIfPresent`, `#sinclude`, `#inputMode`, `#remove`, `#calc`, `#eval`, `${{ }}`, `#if`,
-//! `#ifeq`, and of `#includeEtc` the constraint types of fields. Refused by name: `#codeStream`,
-//! `#includeFunc`, any other `#includeEtc`.
+//! `#ifeq`, `#includeFunc`, and of `#includeEtc` the constraint types of fields and what functions of
+//! tutorials include. Refused by name: `#codeStream`, any other `#includeEtc`.
 
 mod arith;
 mod diag;
@@ -39,6 +39,7 @@ mod directives;
 mod etc;
 mod expand;
 mod files;
+mod include_func;
 mod listfile;
 mod lists;
 mod nearest;
@@ -54,6 +55,7 @@ mod writer;
 pub use diag::{Diag, Diags, Severity, Sink};
 pub use etc::CONSTRAINT_TYPES;
 pub use files::{Files, MemoryFiles, NoFiles, compress, decompress};
+pub use include_func::PACKAGED_FUNCTIONS;
 pub use listfile::parse_list_file;
 pub use lists::Payload;
 pub use nearest::nearest;
