@@ -30,20 +30,20 @@ impl Tables {
         Tables { root: case.join(POST), start: start.into(), begun: BTreeSet::new() }
     }
 
-    /// Puts `written` of function `name` at the time called `time` on the disk.
+    /// Puts what was `written` at the time called `time` into the function's `folder`.
     pub(crate) fn put(
         &mut self,
-        name: &str,
+        folder: &str,
         time: &str,
         written: Vec<Written>,
     ) -> Result<(), StoreError> {
         for w in written {
             match w {
                 Written::File { file, bytes } => {
-                    write_whole(&self.root.join(name).join(time).join(file), &bytes)?;
+                    write_whole(&self.root.join(folder).join(time).join(file), &bytes)?;
                 }
                 Written::Line { file, header, line } => {
-                    let path = self.root.join(name).join(&self.start).join(file);
+                    let path = self.root.join(folder).join(&self.start).join(file);
                     // A table begins anew with the run: it belongs to its start time.
                     if self.begun.insert(path.clone()) {
                         write_atomic(&path, format!("{header}\n{line}\n").as_bytes())?;

@@ -320,7 +320,9 @@ impl Run {
                 Ok(Answer::Sampled(w)) => w,
                 _ => Vec::new(),
             };
-            self.tables.put(&plans[i].name, &self.crew.worker.time_name, written)?;
+            let inside = plans[i].plan.folder().map_or(String::new(), |f| format!("{f}/"));
+            let folder = format!("{inside}{}", plans[i].name);
+            self.tables.put(&folder, &self.crew.worker.time_name, written)?;
         }
         Ok(())
     }

@@ -49,13 +49,21 @@ impl Table {
         table
     }
 
-    /// The column called `name`, or `colN` by its number.
+    /// The column called `name`, or `colN` by its number. `U_x` finds `U_0` as well.
     pub fn column(&self, name: &str) -> Option<usize> {
         let by_number = || {
             let i: usize = name.strip_prefix("col")?.parse().ok()?;
             (1..=self.columns.len()).contains(&i).then(|| i - 1)
         };
-        self.names.iter().position(|n| n == name).or_else(by_number)
+        // OpenFOAM's csv files number the components of vectors.
+        let numbered = || {
+            let (vector, axis) = name.rsplit_once('_')?;
+            let k = ["x", "y", "z"].iter().position(|a| *a == axis)?;
+            let wanted = format!("{vector}_{k}");
+            self.names.iter().position(|n| *n == wanted)
+        };
+        let named = self.names.iter().position(|n| n == name);
+        named.or_else(numbered).or_else(by_number)
     }
 }
 

@@ -31,8 +31,12 @@ struct MinMax {
 impl MinMax {
     fn read(r: &Reader<'_>, reading: &Reading<'_>) -> MinMax {
         let modes = [("magnitude", true), ("component", false)];
+        let mut fields = Wanted::read(r, "fields", reading);
+        // In the order of OpenFOAM's columns.
+        fields.list.sort_by(|a, b| a.name.cmp(&b.name));
+        r.ignore("write");
         MinMax {
-            fields: Wanted::read(r, "fields", reading),
+            fields,
             magnitude: r.opt_one_of("mode", &modes, true),
             places: r.opt_switch("location", true),
         }

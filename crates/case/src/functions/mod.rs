@@ -111,6 +111,10 @@ pub trait Plan: Send + Sync {
     fn prescribes(&self) -> Option<&SetFlow> {
         None
     }
+    /// The folder below `postProcessing` that its own folder is in, if any.
+    fn folder(&self) -> Option<&'static str> {
+        None
+    }
     /// The fields it makes, which time directories hold and later functions may look at.
     fn makes(&self) -> Vec<Info> {
         Vec::new()

@@ -148,8 +148,10 @@ fn gnuplot(set: &Set<'_>, group: &[usize]) -> String {
         plots.join(", ")
     );
     // A block of numbers for each `-`.
-    let blocks = group.iter().map(|i| numbers(set, &[*i], "\t"));
-    text += &blocks.collect::<Vec<_>>().join("e\n");
+    for i in group {
+        text += &numbers(set, &[*i], "\t");
+        text += "e\n";
+    }
     text
 }
 

@@ -41,6 +41,8 @@ impl SolverInfo {
                 }
             }
         }
+        // In the order of OpenFOAM's columns.
+        fields.sort();
         SolverInfo { fields }
     }
 }

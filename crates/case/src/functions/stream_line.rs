@@ -103,6 +103,9 @@ impl Plan for StreamLine {
             sink.push(Diag::error(&self.seeds_span, message).label("outside the mesh"));
         }
     }
+    fn folder(&self) -> Option<&'static str> {
+        Some("sets")
+    }
     fn uses(&self) -> Vec<usize> {
         self.fields.uses().into_iter().chain(self.along.uses()).collect()
     }
