@@ -129,7 +129,7 @@ impl Case {
             fields_set = set_fields::apply(root, &poly, &mesh, &mut start, sink, notices)?;
         }
         let functions = &config.functions;
-        let remembered = remembered::read(root, &start.dir, functions, &poly, sink, notices)?;
+        let remembered = remembered::read(root, &start.dir, functions, &poly, notices)?;
         let whole = config.gravity.unwrap_or_default();
         let waves = WaveTable::read(root, &start, whole, (&poly, &mesh), sink)?;
         let end = options.until.unwrap_or(config.control.end);

@@ -3,27 +3,36 @@
 
 mod common;
 use common::*;
-use granflow_base::{Dims, Tensor, Vec3};
-use granflow_case::fields::read_vol;
-use granflow_case::{Options, meshing};
-use granflow_dict::Sink;
+use granflow_base::Dims;
+use granflow_case::Options;
 use std::path::Path;
 
-/// The cells of a vector field of the case.
-fn vectors(root: &Path, time: &str, name: &str, dims: Dims) -> Vec<Vec3> {
-    let sink = Sink::new();
-    let poly = meshing::load(root, &sink).unwrap().poly;
-    let field = read_vol::<Vec3>(root, time, name, &[dims], &poly, &sink).unwrap().unwrap();
-    assert!(!sink.has_errors(), "{}", sink.take());
-    field.cells
+/// The numbers of `internalField`, `n` a cell, of a field with the dimensions and the class that it must
+/// have.
+fn cells(root: &Path, time: &str, name: &str, dims: Dims, class: &str, n: usize) -> Vec<Vec<f64>> {
+    let text = read(root, &format!("{time}/{name}"));
+    assert!(text.contains(&format!("class           {class};")), "{name}: {text}");
+    assert!(text.contains(&format!("dimensions      {dims};")), "{name}, {dims}: {text}");
+    let inside = text.split("internalField").nth(1).unwrap().split("boundaryField").next().unwrap();
+    let numbers = |t: &str| -> Vec<f64> {
+        let bare = t.replace(['(', ')', ';'], " ");
+        bare.split_whitespace().filter_map(|w| w.parse().ok()).collect()
+    };
+    let Some(uniform) = inside.trim().strip_prefix("uniform") else {
+        let all = numbers(inside.split_once('\n').unwrap().1);
+        // The first one is how many there are.
+        assert_eq!(all.len() - 1, all[0] as usize * n, "{name}");
+        return all[1..].chunks(n).map(<[f64]>::to_vec).collect();
+    };
+    vec![numbers(uniform); 24]
+}
+
+fn vectors(root: &Path, time: &str, name: &str, dims: Dims) -> Vec<Vec<f64>> {
+    cells(root, time, name, dims, "volVectorField", 3)
 }
 
 fn scalars(root: &Path, time: &str, name: &str, dims: Dims) -> Vec<f64> {
-    let sink = Sink::new();
-    let poly = meshing::load(root, &sink).unwrap().poly;
-    let field = read_vol::<f64>(root, time, name, &[dims], &poly, &sink).unwrap().unwrap();
-    assert!(!sink.has_errors(), "{}", sink.take());
-    field.cells
+    cells(root, time, name, dims, "volScalarField", 1).into_iter().flatten().collect()
 }
 
 fn near(found: &[f64], wanted: impl Fn(usize) -> f64, what: &str) {
@@ -60,17 +69,7 @@ fn fields_of_couette_flow_are_those_of_the_books() {
     let steep = vectors(root, "3000", "grad(mag(U))", Dims::RATE);
     near(&steep.iter().map(|v| v[1]).collect::<Vec<_>>(), |_| 1.0 / H, "grad of what mag made");
     // d_y U_x is the fourth component.
-    let text = read(root, "3000/grad(U)");
-    let rows = text.split("internalField").nth(1).unwrap().split("boundaryField").next().unwrap();
-    let rows = rows.lines().filter(|l| l.starts_with('(') && l.len() > 2);
-    let first = |row: &str| {
-        let parts = row.trim_matches(['(', ')']).split(' ').map(|w| w.parse().unwrap());
-        let parts: Vec<f64> = parts.collect();
-        let t: Tensor = parts.try_into().unwrap();
-        t
-    };
-    let gradients: Vec<Tensor> = rows.map(first).collect();
-    assert!(text.contains("volTensorField") && gradients.len() == 24, "{text}");
+    let gradients = cells(root, "3000", "grad(U)", Dims::RATE, "volTensorField", 9);
     near(&gradients.iter().map(|g| g[3]).collect::<Vec<_>>(), |_| 1.0 / H, "grad");
     near(&gradients.iter().map(|g| g[1]).collect::<Vec<_>>(), |_| 0.0, "grad");
     // The lid drives the flow, the bottom holds it: eta/h = 5 Pa.
@@ -107,7 +106,7 @@ fn means_are_those_of_the_times_on_the_disk() {
     let dir = averaged(5);
     run(dir.path(), &until(0.1));
     let times: Vec<String> = (1..=10).map(|i| format!("{}", f64::from(i) / 100.0)).collect();
-    let all: Vec<Vec<Vec3>> =
+    let all: Vec<Vec<Vec<f64>>> =
         times.iter().map(|t| vectors(dir.path(), t, "U", Dims::VELOCITY)).collect();
     let mean = vectors(dir.path(), "0.1", "UMean", Dims::VELOCITY);
     for (c, m) in mean.iter().enumerate() {

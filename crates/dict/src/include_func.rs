@@ -161,8 +161,8 @@ mod tests {
     #[test]
     fn functions_come_from_system_or_are_built_in() {
         let mut files = MemoryFiles::default();
-        let line = "start (0 0 0); fields (U p);\n#includeEtc \"caseDicts/postProcessing/graphs/sampleDict.cfg\"
-            #includeEtc \"caseDicts/postProcessing/graphs/graph.cfg\" end (1 0 0);";
+        let line = "start (0 0 0); end (1 0 0); fields (U p);\n#includeEtc \"caseDicts/postProcessing/graphs/sampleDict.cfg\"
+            #includeEtc \"caseDicts/postProcessing/graphs/graph.cfg\"";
         files.0.insert("system/singleGraph".into(), line.into());
         let text = "functions { #includeFunc residuals // of all\n #includeFunc mag(U)
             #includeFunc patchAverage(name=outlet, p, U);

@@ -72,7 +72,7 @@ impl FieldAverage {
         } else if let Some(mut list) = r.list("fields") {
             while !list.is_empty() {
                 let (at, left) = (list.here(), list.rest().len());
-                let name = list.word("the name of a field");
+                let name = list.string("the name of a field");
                 if let Some(sub) = list.dict("`{ mean on; prime2Mean on; base time; }`") {
                     out.item(&sub, &at, name, reading);
                 }

@@ -258,11 +258,32 @@ pub fn read(control: &Reader<'_>) -> Vec<Planned> {
         let schedule = Schedule::read(&r, entry.schedule);
         let plan = (entry.read)(&r, &Reading { name, made: &made });
         let function = out.len();
+        plan.makes().iter().for_each(|info| refuse_clash(&r, info, &made));
         let fields = plan.makes().into_iter().enumerate();
         made.extend(fields.map(|(slot, info)| Made { info, function, slot }));
         out.push(Planned { name: name.to_owned(), schedule, plan });
     }
     out
+}
+
+/// Files of a time directory that are the flow's own.
+const STATE: &[&str] = &["U", "U_0", "p", "p_rgh", "phi", "phi_0", "uniform"];
+
+/// Complains about a field whose file would be that of another one.
+fn refuse_clash(r: &Reader<'_>, info: &Info, made: &[Made]) {
+    let name = info.name.as_str();
+    let own = STATE.contains(&name)
+        || name.starts_with("alpha.")
+        || Quantity::ALL.iter().any(|q| q.0 == name)
+        || name.contains('/');
+    let twice = made.iter().any(|m| m.info.name == name);
+    if !own && !twice {
+        return;
+    }
+    let key = if r.has("result") { "result" } else { "type" };
+    let why = if own { "a name of the case's own files" } else { "made by a function before" };
+    let message = format!("the field `{name}` cannot be made under this name");
+    r.error_at_key(key, message, why, Some("`result NAME;` gives it another one"));
 }
 
 /// The registry's entry for a function's dictionary; a mistake goes to the sink.

@@ -19,21 +19,22 @@ pub(crate) fn read(
     dir: &str,
     functions: &[Planned],
     poly: &PolyMesh,
-    sink: &Sink,
     notices: &Notices,
 ) -> Result<Vec<Option<Remembered>>, StoreError> {
     let mut out: Vec<Option<Remembered>> = functions.iter().map(|_| None).collect();
     if !functions.iter().any(|f| f.plan.remembers()) {
         return Ok(out);
     }
-    let Some(properties) = files::dict(root, Path::new(dir).join(PROPERTIES), sink)? else {
+    // OpenFOAM's functions leave there what is theirs.
+    let aside = Sink::new();
+    let Some(properties) = files::dict(root, Path::new(dir).join(PROPERTIES), &aside)? else {
         return Ok(out);
     };
     for (f, out) in functions.iter().zip(&mut out).filter(|(f, _)| f.plan.remembers()) {
         let Some(memory) = properties.sub(&f.name) else { continue };
         let mut fields = Vec::new();
         for info in f.plan.makes() {
-            let dict = files::dict(root, Path::new(dir).join(&info.name), sink)?;
+            let dict = files::dict(root, Path::new(dir).join(&info.name), &aside)?;
             match dict.and_then(|d| field::parse(&info, &d, poly)) {
                 Some(whole) => fields.push(whole),
                 None => {
