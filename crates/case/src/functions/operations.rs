@@ -79,12 +79,10 @@ pub(super) const OVER_FACES: &[Known] = &[
     ("weightedAverage", Kind::Average, Weights::Field),
     ("weightedAreaAverage", Kind::SizeAverage, Weights::Field),
     ("weightedAreaIntegrate", Kind::SizeIntegrate, Weights::Field),
-    ("weightedUniformity", Kind::Uniformity, Weights::Field),
     ("absWeightedSum", Kind::Sum, Weights::Abs),
     ("absWeightedAverage", Kind::Average, Weights::Abs),
     ("absWeightedAreaAverage", Kind::SizeAverage, Weights::Abs),
     ("absWeightedAreaIntegrate", Kind::SizeIntegrate, Weights::Abs),
-    ("absWeightedUniformity", Kind::Uniformity, Weights::Abs),
 ];
 
 /// An operation as a dictionary names it.
@@ -131,14 +129,15 @@ impl Operation {
             Kind::NormalAverage | Kind::NormalIntegrate => {
                 (rank == Rank::Vector).then_some(Rank::Scalar)
             }
-            Kind::Uniformity => (rank == Rank::Scalar).then_some(rank),
+            Kind::Uniformity => (rank <= Rank::Vector).then_some(Rank::Scalar),
             _ => Some(rank),
         }
     }
     /// Complains where it makes nothing of a field.
     pub(super) fn check(&self, r: &Reader<'_>, fields: &[Named]) {
         for f in fields.iter().filter(|f| self.rank(f.quantity.rank()).is_none()) {
-            let needed = if self.kind == Kind::Uniformity { "scalars" } else { "vectors" };
+            let needed =
+                if self.kind == Kind::Uniformity { "scalars and vectors" } else { "vectors" };
             let message = format!("`{}` makes nothing of `{}`", self.name, f.name);
             r.error_at_key("operation", message, format!("of {needed} only"), None);
         }
@@ -213,11 +212,12 @@ impl Operation {
             }
             Kind::Uniformity => {
                 let all = total(&|e| weight(e) * e.size);
-                let mean = sum(&|e| e.value.map(|x| weight(e) * e.size * x))[0] / all;
-                let off = |e: &Element| (weight(e) * e.size * (e.value[0] - mean)).abs();
-                let off = total(&off);
-                let whole = (2.0 * mean * all).abs();
-                let even = if whole > 0.0 { 1.0 - off / whole } else { 1.0 };
+                let mean = sum(&|e| e.value.map(|x| weight(e) * e.size * x)).map(|x| x / all);
+                let far =
+                    |v: &dyn Fn(usize) -> f64| (0..n).map(|k| v(k) * v(k)).sum::<f64>().sqrt();
+                let off = |e: &Element| weight(e) * e.size * far(&|k| e.value[k] - mean[k]);
+                let whole = 2.0 * far(&|k| mean[k]) * all.abs();
+                let even = if whole > 0.0 { 1.0 - total(&off) / whole } else { 1.0 };
                 super::field::components(&[even.clamp(0.0, 1.0)])
             }
         }
