@@ -240,7 +240,7 @@ fn sets_have_a_file_a_rank_in_every_format() {
     let lines: Vec<&str> = vtk.lines().collect();
     let start = ["# vtk DataFile Version 2.0", "l", "ASCII", "DATASET POLYDATA", "POINTS 5 double"];
     assert_eq!(lines[..5], start);
-    assert!(vtk.contains("POINT_DATA 5\nFIELD attributes 1\nU 3 5 double\n0 "), "{vtk}");
+    assert!(vtk.contains("POINT_DATA 5\nFIELD attributes 1\nU 3 5 double\n"), "{vtk}");
     let gnu = text("gnu/3000/l_U.gplt");
     let start =
         "set term postscript color\nset output \"l.ps\"\nplot \"-\" title \"U\" with lines\n0\t";
