@@ -16,6 +16,8 @@ type Corner = (Point, Point);
 const STEP: f64 = 0.1;
 /// Of the spacing: how near lines may come to each other.
 const NEAR: f64 = 0.5;
+/// Points of a line that are too new to be in its own way.
+const BEHIND: usize = 20;
 /// Most points of a line.
 const MOST_POINTS: usize = 20_000;
 /// Most lines of a figure.
@@ -141,9 +143,17 @@ pub(super) fn lines(triangles: &[[Corner; 3]], spacing: f64) -> Vec<Polyline> {
 /// The line through `seed`, against the flow and with it, as far as there is room.
 fn grow(field: &Field<'_>, taken: &Taken, seed: Point, spacing: f64, least: f64) -> Polyline {
     let h = STEP * spacing;
+    // Whether a point lies on the way back into the seed.
+    let start = field.along(seed, least).unwrap_or_default();
+    let meets = |p: Point| {
+        let (dx, dy) = (p.0 - seed.0, p.1 - seed.1);
+        dx.hypot(dy) < spacing && (dx * start.1 - dy * start.0).abs() < 0.5 * h
+    };
     let half = |sign: f64| {
         let mut points = vec![seed];
         let mut p = seed;
+        // What is a way behind: a spiral ends where it comes near to itself.
+        let mut own = Taken { points: HashMap::new(), size: spacing };
         while points.len() < MOST_POINTS {
             let Some(k1) = field.along(p, least) else { break };
             let middle = (p.0 + 0.5 * sign * h * k1.0, p.1 + 0.5 * sign * h * k1.1);
@@ -151,6 +161,12 @@ fn grow(field: &Field<'_>, taken: &Taken, seed: Point, spacing: f64, least: f64)
             let next = (p.0 + sign * h * k2.0, p.1 + sign * h * k2.1);
             if field.at(next).is_none() || taken.near(next, NEAR * spacing) {
                 break;
+            }
+            if own.near(next, NEAR * spacing) && !meets(next) {
+                break;
+            }
+            if let Some(behind) = points.len().checked_sub(BEHIND) {
+                own.put(points[behind]);
             }
             // Round and back to where it began.
             let closed = points.len() > 20 && (next.0 - seed.0).hypot(next.1 - seed.1) < h;
@@ -217,5 +233,14 @@ mod tests {
             assert!(line.iter().all(|p| (r(p) - r(&line[0])).abs() < 2e-3));
         }
         assert!(super::lines(&square(|_| (0.0, 0.0)), 0.1).is_empty());
+        // A spiral does not wind itself up in its eye.
+        let wound = super::lines(&square(|p| (-p.1 - 0.02 * p.0, p.0 - 0.02 * p.1)), 0.1);
+        let turns = |l: &Polyline| {
+            let turn = |w: &[Point]| {
+                (w[0].0 * w[1].1 - w[0].1 * w[1].0).atan2(w[0].0 * w[1].0 + w[0].1 * w[1].1)
+            };
+            l.windows(2).map(turn).sum::<f64>() / std::f64::consts::TAU
+        };
+        assert!(!wound.is_empty() && wound.iter().all(|l| turns(l) < 2.5), "{}", wound.len());
     }
 }
