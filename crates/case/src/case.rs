@@ -4,6 +4,7 @@ use crate::boundary::Patches;
 use crate::collect::tidy;
 use crate::config::{ReferenceCell, StartFrom};
 use crate::files::DiskFiles;
+use crate::functions::{Remembered, remembered};
 use crate::restart::{WholeState, start_dir};
 use crate::{CaseConfig, CaseError, Notices, WaveTable, Zones, config, figures, files};
 use crate::{meshing, sense, set_fields, strays};
@@ -76,6 +77,8 @@ pub struct Case {
     pub mesh_made: bool,
     /// The state to start from.
     pub start: WholeState,
+    /// What the time directory to start from knows of each function.
+    pub remembered: Vec<Option<Remembered>>,
     /// Fields that setFieldsDict or setAlphaFieldDict changed, which are not so on the disk.
     pub fields_set: Vec<String>,
     /// Forces on the bulk beside gravity, their cells in the user's numbering.
@@ -136,6 +139,8 @@ impl Case {
         if start.step == 0 && !start.restarted {
             fields_set = set_fields::apply(root, &poly, &mesh, &mut start, sink, notices)?;
         }
+        let functions = &config.functions;
+        let remembered = remembered::read(root, &start.dir, functions, &poly, notices)?;
         let whole = config.gravity.unwrap_or_default();
         let waves = WaveTable::read(root, &start, whole, (&poly, &mesh), sink)?;
         let sources = read_sources(root, &dir, &config, (&poly, &mesh), sink)?;
@@ -148,6 +153,7 @@ impl Case {
             mesh: Arc::new(mesh),
             mesh_made: loaded.made,
             start,
+            remembered,
             fields_set,
             sources,
             waves,

@@ -2,7 +2,7 @@
 
 use crate::boundary::of_kind;
 use crate::fields::{Sheet, VolField};
-use crate::functions::Written;
+use crate::functions::{Info, Whole, Written, field_file, remembered};
 use crate::restart::Clock;
 use crate::store::{Operation, StoreError, TimeWriter, write_atomic, write_whole};
 use crate::worker::Sheets;
@@ -31,20 +31,20 @@ impl Tables {
         Tables { root: case.join(POST), start: start.into(), begun: BTreeSet::new() }
     }
 
-    /// Puts `written` of function `name` at the time called `time` on the disk.
+    /// Puts what was `written` at the time called `time` into the function's `folder`.
     pub(crate) fn put(
         &mut self,
-        name: &str,
+        folder: &str,
         time: &str,
         written: Vec<Written>,
     ) -> Result<(), StoreError> {
         for w in written {
             match w {
-                Written::File { file, text } => {
-                    write_whole(&self.root.join(name).join(time).join(file), text.as_bytes())?;
+                Written::File { file, bytes } => {
+                    write_whole(&self.root.join(folder).join(time).join(file), &bytes)?;
                 }
                 Written::Line { file, header, line } => {
-                    let path = self.root.join(name).join(&self.start).join(file);
+                    let path = self.root.join(folder).join(&self.start).join(file);
                     // A table begins anew with the run: it belongs to its start time.
                     if self.begun.insert(path.clone()) {
                         write_atomic(&path, format!("{header}\n{line}\n").as_bytes())?;
@@ -69,12 +69,22 @@ fn append(path: &Path, line: &str) -> Result<(), StoreError> {
     })
 }
 
+/// What functions add to a time directory.
+#[derive(Default)]
+pub(crate) struct MadeFields {
+    /// Their fields.
+    pub(crate) fields: Vec<(Info, Whole)>,
+    /// What a restart must know of them.
+    pub(crate) memories: Vec<remembered::Memory>,
+}
+
 /// Writes the time directory `name`, whole or not at all.
 pub(crate) fn write_time(
     case: &Case,
     name: &str,
     clock: &Clock,
     s: &Sheets,
+    made: &MadeFields,
 ) -> Result<(), CaseError> {
     let (control, entries, k) = (&case.config.control, &case.start, case.pressure_factor());
     let mut dir = TimeWriter::begin(&case.root, name)?.compressed(control.compression);
@@ -133,6 +143,13 @@ pub(crate) fn write_time(
             let numbers: Vec<f64> = (0..p.len()).map(number).collect();
             derived("inertialNumber", Dims::NONE, &numbers)?;
         }
+    }
+    for (info, whole) in &made.fields {
+        let dims = info.unit.dims(entries.p.dims);
+        dir.file(&info.name, &field_file(info, dims, whole, &sheet(&info.name, dims)))?;
+    }
+    if !made.memories.is_empty() {
+        dir.file_plain(remembered::PROPERTIES, &remembered::properties(name, &made.memories))?;
     }
     dir.file_plain("uniform/time", &clock.text(name))?;
     let held = case.sources.iter().filter_map(|s| match s {

@@ -1,7 +1,8 @@
 //! A case that computes, writes and reports, one step at a time.
 
+mod acting;
+
 use crate::config::WriteControl;
-use crate::functions::Written;
 use crate::functions::schedule::{Moment, passes};
 use crate::jsonl::{Log, SolveRecord, StepRecord};
 use crate::output::Tables;
@@ -75,6 +76,8 @@ pub struct Run {
     /// Name and time of the last directory that holds the present run's state.
     last_written: (String, f64),
     n_written: usize,
+    /// The step at whose end functions acted last, while its state is the present one.
+    moment: Option<Moment>,
     /// Held by runs that were loaded here.
     lock: Option<CaseLock>,
     set_aside: Option<SetAside>,
@@ -155,6 +158,7 @@ impl Run {
             dt,
             last_written: (case.start.dir.clone(), began),
             n_written: 0,
+            moment: None,
             lock: None,
             set_aside,
             pace: None,
@@ -226,6 +230,7 @@ impl Run {
         self.crew.worker.time_name = self.name_of(time, dt);
         let moment =
             Moment { before, time, step, written: write.then_some(self.n_written + 1), last };
+        self.moment = write.then_some(moment);
         self.functions(&moment)?;
         let seconds = self.clock.seconds();
         self.log_step(&report, step, seconds)?;
@@ -302,28 +307,6 @@ impl Run {
         self.names.distinct(time, Some(self.last_written.1), dt)
     }
 
-    fn functions(&mut self, moment: &Moment) -> Result<(), CaseError> {
-        let mut fresh = false;
-        for i in 0..self.case.config.functions.len() {
-            if !self.case.config.functions[i].schedule.due(moment) {
-                continue;
-            }
-            if !fresh && self.crew.worker.needs_derived(i) {
-                if let Err(e) = self.crew.worker.order(Order::Derive) {
-                    return Err(CaseError::Step { source: e, kept: None });
-                }
-                fresh = true;
-            }
-            let written: Vec<Written> = match self.crew.worker.order(Order::Sample(i)) {
-                Ok(Answer::Sampled(w)) => w,
-                _ => Vec::new(),
-            };
-            let name = &self.case.config.functions[i].name;
-            self.tables.put(name, &self.crew.worker.time_name, written)?;
-        }
-        Ok(())
-    }
-
     /// Writes the present state and returns the name of its time directory.
     ///
     /// # Errors
@@ -348,7 +331,8 @@ impl Run {
         let (time, step, dt_old) = (s.time, s.step, s.dt_old);
         let name = self.name_of(time, dt_old);
         let clock = crate::restart::Clock { time, step, dt: Some(self.dt), dt_old };
-        output::write_time(&self.case, &name, &clock, &sheets)?;
+        let made = self.made_fields(derived);
+        output::write_time(&self.case, &name, &clock, &sheets, &made)?;
         let control = &self.case.config.control;
         if control.purge > 0 {
             purge(&self.case.root, control.purge, &self.case.start.dir, &name)?;

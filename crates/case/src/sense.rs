@@ -70,8 +70,13 @@ fn sides(case: &Case) -> Vec<Side<'_>> {
     let (u_entries, p_entries) = (&case.start.u.boundary, &case.start.p.boundary);
     let conditions =
         boundary::conditions::<Vec3>(u_entries, mesh, case.patches(), ("U", Dims::VELOCITY), 1.0);
-    let pressures =
-        boundary::conditions::<f64>(p_entries, mesh, case.patches(), (case.config.pressure(), case.start.p.dims), 1.0);
+    let pressures = boundary::conditions::<f64>(
+        p_entries,
+        mesh,
+        case.patches(),
+        (case.config.pressure(), case.start.p.dims),
+        1.0,
+    );
     let kinds: Vec<Flow> = conditions.iter().map(|c| flow_of(&**c)).collect();
     let mut u = Unknown::new(mesh, "U", Dims::VELOCITY, [0.0; 3], conditions);
     for (c, &user) in mesh.global_cell.iter().enumerate() {

@@ -45,11 +45,15 @@ pub(crate) fn set_aside(
         put_into(&dir, root, path)?;
     }
     // Tables are named by the time their run began at, profiles by their own.
+    let time = |at: &PathBuf| at.file_name().and_then(|n| TimeName::parse(n.to_str()?));
     for function in folders(&root.join(POST)) {
         for at in folders(&function) {
-            let time = at.file_name().and_then(|n| TimeName::parse(n.to_str()?));
-            if time.is_some_and(|t| t >= start || behind(t)) {
-                put_into(&dir, root, &at)?;
+            // Stream lines have a folder of their own below `sets`.
+            let deeper = if time(&at).is_none() { folders(&at) } else { vec![at] };
+            for at in deeper {
+                if time(&at).is_some_and(|t| t >= start || behind(t)) {
+                    put_into(&dir, root, &at)?;
+                }
             }
         }
     }

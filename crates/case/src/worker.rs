@@ -1,71 +1,25 @@
 //! One rank's part of a run. Every rank does the same things in the same order: rank 0 says what
 //! is next, and what needs the disk happens there alone.
 
+mod order;
+
+pub(crate) use order::Order;
+
 use crate::build::{self, Start};
 use crate::collect::Collector;
-use crate::functions::{Derivations, Function, View, Written};
+use crate::functions::whole::Whole as ToWhole;
+use crate::functions::{Derivations, Function, View, Whole, Written};
+use crate::section::Grid;
 use crate::tensile::{self, Tensile};
 use crate::{Case, Options};
 use granflow_base::{Vec3, dot};
 use granflow_flow::{Flow, Report, StepError, Watch};
 use granflow_mesh::Mesh;
 use granflow_par::{Comm, Exec, InProcess};
+use std::cell::OnceCell;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::thread::JoinHandle;
-
-/// What rank 0 asks of every rank.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Order {
-    /// A time step of so many seconds.
-    Step(f64),
-    /// Back to the state before the step.
-    Rollback,
-    /// Compute what follows from the state.
-    Derive,
-    /// Sample function number so and so.
-    Sample(usize),
-    /// Collect the state, with or without what follows from it.
-    Collect(bool),
-    /// Go on as a restart from what was written would.
-    Renew,
-    /// Greatest Courant number of a step of one second, over what it may be.
-    Courant,
-    /// Whether boundaries ask the same at all steps of so many seconds to come.
-    Settled(f64),
-    /// The end.
-    Stop,
-}
-
-impl Order {
-    fn code(self) -> Vec<f64> {
-        match self {
-            Order::Step(dt) => vec![0.0, dt],
-            Order::Rollback => vec![1.0, 0.0],
-            Order::Derive => vec![2.0, 0.0],
-            Order::Sample(i) => vec![3.0, i as f64],
-            Order::Collect(derived) => vec![4.0, f64::from(u8::from(derived))],
-            Order::Renew => vec![5.0, 0.0],
-            Order::Courant => vec![6.0, 0.0],
-            Order::Settled(dt) => vec![7.0, dt],
-            Order::Stop => vec![8.0, 0.0],
-        }
-    }
-    fn from_code(code: &[f64]) -> Order {
-        let arg = code.get(1).copied().unwrap_or(0.0);
-        match code.first().map_or(8, |c| *c as u8) {
-            0 => Order::Step(arg),
-            1 => Order::Rollback,
-            2 => Order::Derive,
-            3 => Order::Sample(arg as usize),
-            4 => Order::Collect(arg != 0.0),
-            5 => Order::Renew,
-            6 => Order::Courant,
-            7 => Order::Settled(arg),
-            _ => Order::Stop,
-        }
-    }
-}
 
 /// What rank 0 gets back.
 pub(crate) enum Answer {
@@ -73,6 +27,7 @@ pub(crate) enum Answer {
     Stepped(Box<Report>),
     Sampled(Vec<Written>),
     Collected(Box<Sheets>),
+    Field(Whole),
     Number(f64),
 }
 
@@ -107,6 +62,10 @@ pub(crate) struct Worker {
     flow: Option<Flow>,
     collector: Collector,
     functions: Vec<Box<dyn Function>>,
+    /// The step after which each function made its fields last.
+    made_at: Vec<Option<usize>>,
+    /// The whole mesh as cuts need it, on rank 0.
+    grid: OnceCell<Grid>,
     derived: Derivations,
     report: Report,
     /// Time and step number before the last step.
@@ -131,14 +90,18 @@ impl Worker {
         stop: Arc<AtomicBool>,
     ) -> Worker {
         let collector = Collector::new(&exec, &mesh, case.poly.n_cells(), case.poly.n_faces());
-        let functions = case.config.functions.iter().map(|f| f.plan.build(&mesh, &exec)).collect();
+        let plans = case.config.functions.iter().zip(&case.remembered);
+        let functions: Vec<_> =
+            plans.map(|(f, earlier)| f.plan.build(&mesh, &exec, earlier.as_ref())).collect();
         let start = Start::of_case(&case, &mesh);
         let mut flow = build::flow(&case, exec, mesh, start);
         flow.stop = Some(stop.clone());
         Worker {
             flow: Some(flow),
             collector,
+            made_at: vec![None; functions.len()],
             functions,
+            grid: OnceCell::new(),
             derived: Derivations::default(),
             report: Report::default(),
             before: (0.0, 0),
@@ -166,6 +129,14 @@ impl Worker {
         self.flow.as_mut().expect("only `renew` takes the flow, and puts it back")
     }
 
+    /// What function `i` would have a restart know.
+    pub(crate) fn memory(&self, i: usize) -> Vec<(String, Vec<(&'static str, String)>)> {
+        self.functions.get(i).map_or(Vec::new(), |f| f.memory())
+    }
+    /// Whether function `i` has made its fields at all.
+    pub(crate) fn has_fields(&self, i: usize) -> bool {
+        self.functions.get(i).is_some_and(|f| f.ready())
+    }
     /// Whether function `i` needs [`Order::Derive`] first.
     pub(crate) fn needs_derived(&self, i: usize) -> bool {
         self.functions[i].needs_derived()
@@ -223,7 +194,18 @@ impl Worker {
                 }
                 Ok(Answer::Done)
             }
+            Order::Make(i) => {
+                self.make(i);
+                Ok(Answer::Done)
+            }
             Order::Sample(i) => Ok(Answer::Sampled(self.sample(i))),
+            Order::Field(i, slot) => Ok(Answer::Field(self.field(i, slot))),
+            Order::Written(i) => {
+                if let Some(f) = self.functions.get_mut(i) {
+                    f.written();
+                }
+                Ok(Answer::Done)
+            }
             Order::Collect(derived) => Ok(Answer::Collected(Box::new(self.collect(derived)))),
             Order::Renew => {
                 self.renew();
@@ -268,11 +250,17 @@ impl Worker {
         result
     }
 
-    fn sample(&mut self, i: usize) -> Vec<Written> {
-        let Worker { case, flow, functions, derived, report, time_name, .. } = self;
-        let (Some(flow), Some(function)) = (flow.as_ref(), functions.get_mut(i)) else {
-            return Vec::new();
-        };
+    /// Shows the flow to function `i`, with the functions before it.
+    fn shown<T>(
+        &mut self,
+        i: usize,
+        to: impl FnOnce(&mut dyn Function, &View<'_>) -> T,
+    ) -> Option<T> {
+        let Worker { case, flow, collector, functions, grid, derived, report, time_name, .. } =
+            self;
+        let flow = flow.as_ref()?;
+        let (before, rest) = functions.split_at_mut_checked(i)?;
+        let function = rest.first_mut()?;
         let view = View {
             exec: &flow.exec,
             mesh: &flow.mesh,
@@ -289,9 +277,57 @@ impl Worker {
             pressure_factor: case.pressure_factor(),
             time: flow.state.time,
             time_name,
+            dt: report.dt,
             report,
+            made: before,
+            whole: ToWhole { case, collector, grid },
         };
-        function.sample(&view)
+        Some(to(function.as_mut(), &view))
+    }
+
+    fn sample(&mut self, i: usize) -> Vec<Written> {
+        self.shown(i, |f, view| f.sample(view)).unwrap_or_default()
+    }
+
+    /// Once a step, however many ask for it.
+    fn make(&mut self, i: usize) {
+        let step = Some(self.flow().state.step);
+        if self.made_at.get(i) == Some(&step) {
+            return;
+        }
+        self.shown(i, |f, view| f.execute(view));
+        if let Some(at) = self.made_at.get_mut(i) {
+            *at = step;
+        }
+    }
+
+    /// A field of function `i` on the whole mesh, on rank 0.
+    fn field(&self, i: usize, slot: usize) -> Whole {
+        let Some(values) = self.functions.get(i).and_then(|f| f.fields().get(slot)) else {
+            return Whole::default();
+        };
+        let (exec, mesh) = (&self.flow().exec, &self.flow().mesh);
+        // Component by component, so that any rank of tensor passes.
+        let n = values.n;
+        let mut out = Whole::default();
+        let mut put = |to: fn(&mut Whole) -> &mut Vec<f64>, k: usize, all: Option<Vec<f64>>| {
+            let Some(all) = all else { return };
+            to(&mut out).resize(n * all.len(), 0.0);
+            all.into_iter().enumerate().for_each(|(c, x)| to(&mut out)[n * c + k] = x);
+        };
+        for k in 0..n {
+            let own: Vec<f64> = (0..mesh.n_cells).map(|c| values.cells[n * c + k]).collect();
+            put(|w| &mut w.cells, k, self.collector.cells(exec, &own, mesh.n_cells));
+            if values.faces.is_empty() && mesh.n_faces() > mesh.n_inner {
+                continue;
+            }
+            let mut faces = vec![0.0; mesh.n_faces()];
+            for (i, x) in faces[mesh.n_inner..].iter_mut().enumerate() {
+                *x = values.faces[n * i + k];
+            }
+            put(|w| &mut w.faces, k, self.collector.faces(exec, &faces, false));
+        }
+        out
     }
 
     fn collect(&mut self, derived: bool) -> Sheets {

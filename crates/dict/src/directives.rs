@@ -3,10 +3,10 @@
 use crate::diag::Diag;
 use crate::expand::skip_entry;
 use crate::nearest;
-use crate::parse::{Cursor, Parser, Scope, root};
+use crate::parse::{Cursor, Parser};
 use crate::source::{Source, Span};
 use crate::token::{Lexeme, lex};
-use crate::tree::{Entry, Key, Pattern, Tok, Token, Value};
+use crate::tree::{Entry, Key, Pattern, Tok, Token};
 use std::io;
 
 /// What happens when a keyword occurs again.
@@ -201,35 +201,6 @@ impl Parser<'_> {
                 }
             }
         }
-    }
-    /// `#includeFunc name`: the file `system/name` of the case as the dictionary `name`.
-    fn include_func(&mut self, c: &mut Cursor, span: &Span) {
-        let line = rest_of_line(c, span);
-        let text = line.text();
-        let name = text.trim_start_matches("#includeFunc").trim().trim_matches('"').to_owned();
-        let parts = [self.files.case_root(), "system".to_owned(), name.clone()];
-        let path = parts.iter().filter(|p| !p.is_empty()).cloned().collect::<Vec<_>>().join("/");
-        let plain = !name.is_empty() && !name.contains(['(', '/', ' ']);
-        let again = self.open_files.contains(&path);
-        let bytes = if plain && !again { self.files.load(&path).ok() } else { None };
-        let Some(bytes) = bytes.and_then(|b| crate::decompress(b).ok()) else {
-            let message = format!("`#includeFunc {name}` is not available");
-            let help = format!(
-                "granflow does not read OpenFOAM's packaged functions, only files in the case's \
-                 `system`; write the dictionary `{}` {{ type ...; }} in full",
-                name.split('(').next().unwrap_or_default()
-            );
-            self.push(Diag::error(&line, message).label("refused").help(help));
-            return;
-        };
-        let src = Source::new(path.clone(), bytes);
-        self.open_files.push(path);
-        self.scopes.push(Scope { name: name.clone(), dict: root(&src) });
-        self.entries(&mut Cursor::new(&src), None);
-        self.open_files.pop();
-        let Some(Scope { mut dict, .. }) = self.scopes.pop() else { return };
-        dict.remove("FoamFile");
-        self.add(Entry::new(Key::Word(name), line, Value::Dict(dict)));
     }
     fn input_mode(&mut self, c: &mut Cursor) {
         let (_, at) = c.next();

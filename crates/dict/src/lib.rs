@@ -30,9 +30,9 @@
 //!
 //! Expanded on the way: `$name`, `${name}`, `${a${b}}`, `$:from.the.top`, `$.here`, `$..parent`,
 //! variables of the environment, `#include`, `#includeIfPresent`, `#sinclude`, `#inputMode`,
-//! `#remove`, `#calc`, `#eval`, `${{ }}`, `#if`, `#ifeq`, `#includeFunc` of files in the case's
-//! `system`, and of `#includeEtc` the constraint types of fields. Refused by name: `#codeStream`,
-//! any other `#includeFunc` and `#includeEtc`.
+//! `#remove`, `#calc`, `#eval`, `${{ }}`, `#if`, `#ifeq`, `#includeFunc`, and of `#includeEtc` the
+//! constraint types of fields and what functions of tutorials include. Refused by name:
+//! `#codeStream`, any other `#includeEtc`.
 
 mod arith;
 mod diag;
@@ -41,6 +41,7 @@ mod environment;
 mod etc;
 mod expand;
 mod files;
+mod include_func;
 mod listfile;
 mod lists;
 mod nearest;
@@ -56,6 +57,7 @@ mod writer;
 pub use diag::{Diag, Diags, Severity, Sink};
 pub use etc::CONSTRAINT_TYPES;
 pub use files::{Files, MemoryFiles, NoFiles, compress, decompress};
+pub use include_func::PACKAGED_FUNCTIONS;
 pub use listfile::parse_list_file;
 pub use lists::Payload;
 pub use nearest::nearest;

@@ -410,7 +410,10 @@ impl Writer {
         self.text(&format!("List<symmTensor> \n{}\n(", x.len()));
         for t in x {
             match self.format {
-                Format::Ascii => push_tuple(&mut self.out, t),
+                Format::Ascii => {
+                    self.out.push(b'\n');
+                    push_tuple(&mut self.out, t);
+                }
                 Format::Binary => {
                     t.iter().for_each(|c| self.out.extend_from_slice(&c.to_le_bytes()))
                 }

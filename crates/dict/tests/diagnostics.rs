@@ -244,7 +244,7 @@ fn what_granflow_refuses_it_refuses_by_name() {
     1 | #includeEtc "caseDicts/general"
       | ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^ refused
       |
-      = help: granflow does not read OpenFOAM's `etc` folder, but for "caseDicts/setConstraintTypes", which is built in; copy the entries that are needed into the case
+      = help: granflow does not read OpenFOAM's `etc` folder, but for "caseDicts/setConstraintTypes" and what functions include, which are built in; copy the entries that are needed into the case
 
     error: `#codeStream` is refused: granflow does not compile C++
      --> system/test:2:3
@@ -309,7 +309,7 @@ fn what_a_refused_include_would_have_given_is_not_missed() {
     1 | #includeEtc "caseDicts/solvers"
       | ^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^^ refused
       |
-      = help: granflow does not read OpenFOAM's `etc` folder, but for "caseDicts/setConstraintTypes", which is built in; copy the entries that are needed into the case
+      = help: granflow does not read OpenFOAM's `etc` folder, but for "caseDicts/setConstraintTypes" and what functions include, which are built in; copy the entries that are needed into the case
     "##);
 }
 

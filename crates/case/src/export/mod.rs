@@ -1,17 +1,20 @@
 //! Times of a case as VTK files: one `.vtu` a time with the fields on cells, and a `.pvd` that
 //! lists them.
 
+mod arrays;
 mod cells;
+pub(crate) mod poly_data;
 mod vtu;
 
 use crate::store::{DirWriter, Operation, StoreError, list_times};
 use crate::{CaseError, files, meshing};
+use arrays::Array;
 use granflow_base::{Tensor, Value, Vec3};
 use granflow_dict::{Diag, Dict, Reader, Sink};
 use granflow_mesh::PolyMesh;
 use std::fs;
 use std::path::{Path, PathBuf};
-use vtu::{Array, Grid};
+use vtu::Grid;
 
 /// Folder of the exported files in a case.
 pub const VTK: &str = "VTK";

@@ -1,26 +1,9 @@
-//! The XML of VTK's unstructured grids, arrays appended raw and compressed with zlib.
-//!
-//! Layout after K. Martin, W. Schroeder and others, "VTK File Formats" (docs.vtk.org): an array is a
-//! header of UInt64 (blocks, size of a block, size of the last one or 0, size of each when
-//! compressed) and the compressed blocks.
+//! The XML of VTK's unstructured grids.
 
+use super::arrays::{Appended, Array, escaped, packed};
 use super::cells::Cells;
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
 use granflow_dict::number;
 use granflow_mesh::PolyMesh;
-use std::fmt::Write as _;
-use std::io::Write as _;
-
-/// Bytes of a block before compression.
-const BLOCK: usize = 1 << 20;
-
-/// Values on cells.
-pub(super) struct Array {
-    pub(super) name: String,
-    pub(super) components: usize,
-    pub(super) data: Vec<f64>,
-}
 
 /// The mesh, compressed once for all times.
 pub(super) struct Grid {
@@ -53,24 +36,6 @@ impl Grid {
     }
 }
 
-/// The header of an array and its compressed blocks.
-fn packed(bytes: Vec<u8>) -> Vec<u8> {
-    let blocks: Vec<Vec<u8>> = bytes.chunks(BLOCK).map(deflated).collect();
-    let last = bytes.len() % BLOCK;
-    let mut header = vec![blocks.len() as u64, BLOCK as u64, last as u64];
-    header.extend(blocks.iter().map(|b| b.len() as u64));
-    let mut out: Vec<u8> = header.iter().flat_map(|n| n.to_le_bytes()).collect();
-    blocks.iter().for_each(|b| out.extend(b));
-    out
-}
-
-fn deflated(bytes: &[u8]) -> Vec<u8> {
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
-    // Writing to memory does not fail.
-    let _ = encoder.write_all(bytes);
-    encoder.finish().unwrap_or_default()
-}
-
 /// The file of one time.
 pub(super) fn file(grid: &Grid, time: f64, fields: &[Array]) -> Vec<u8> {
     let mut xml = String::from(
@@ -78,39 +43,24 @@ pub(super) fn file(grid: &Grid, time: f64, fields: &[Array]) -> Vec<u8> {
          <VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
          header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n",
     );
-    let mut appended: Vec<u8> = Vec::new();
-    let mut array = |xml: &mut String, kind: &str, name: &str, more: &str, bytes: &[u8]| {
-        // Writing to a string does not fail.
-        let _ = writeln!(
-            xml,
-            "<DataArray type=\"{kind}\" Name=\"{}\"{more} format=\"appended\" offset=\"{}\"/>",
-            escaped(name),
-            appended.len()
-        );
-        appended.extend(bytes);
-    };
+    let mut arrays = Appended::default();
     xml += "<FieldData>\n";
     let clock = packed(time.to_le_bytes().to_vec());
-    array(&mut xml, "Float64", "TimeValue", " NumberOfTuples=\"1\"", &clock);
+    arrays.put(&mut xml, "Float64", "TimeValue", " NumberOfTuples=\"1\"", &clock);
     xml += "</FieldData>\n";
     let (points, cells) = (grid.n_points, grid.n_cells);
     xml += &format!("<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n<Points>\n");
-    array(&mut xml, "Float64", "Points", " NumberOfComponents=\"3\"", &grid.points);
+    arrays.put(&mut xml, "Float64", "Points", " NumberOfComponents=\"3\"", &grid.points);
     xml += "</Points>\n<Cells>\n";
     for (kind, name, bytes) in &grid.cells {
-        array(&mut xml, kind, name, "", bytes);
+        arrays.put(&mut xml, kind, name, "", bytes);
     }
     xml += "</Cells>\n<CellData>\n";
     for f in fields {
-        let bytes = packed(f.data.iter().flat_map(|x| x.to_le_bytes()).collect());
-        let components = format!(" NumberOfComponents=\"{}\"", f.components);
-        array(&mut xml, "Float64", &f.name, &components, &bytes);
+        arrays.field(&mut xml, f);
     }
-    xml += "</CellData>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_";
-    let mut out = xml.into_bytes();
-    out.extend(appended);
-    out.extend(b"\n</AppendedData>\n</VTKFile>\n");
-    out
+    xml += "</CellData>\n</Piece>\n</UnstructuredGrid>\n";
+    arrays.close(xml)
 }
 
 /// The list of the files of all times, s.
@@ -124,8 +74,4 @@ pub(super) fn collection(times: &[(f64, String)]) -> String {
         xml += &format!("<DataSet timestep=\"{time}\" group=\"\" part=\"0\" file=\"{file}\"/>\n");
     }
     xml + "</Collection>\n</VTKFile>\n"
-}
-
-fn escaped(name: &str) -> String {
-    name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }

@@ -2,7 +2,8 @@
 //!
 //! `+ - * / ^`, parentheses, numbers, names of columns (in backquotes when they hold other than
 //! letters, digits and `_`), `abs sqrt exp log log10 sin cos`, and over the whole column
-//! `max min mean first last`. `mag(U)` is the length of the vector with the columns `U_x U_y U_z`.
+//! `max min mean first last`. `mag(U)` is the length of the vector with the columns `U_x U_y U_z`,
+//! `mag(x)` of anything else its absolute value.
 //! Names may hold dots: `alpha.grains`.
 
 use super::table::Table;
@@ -69,6 +70,12 @@ struct Parser<'t> {
     depth: usize,
     /// Collects the names of columns.
     seen: Option<&'t RefCell<Vec<String>>>,
+}
+
+/// Whether a text is the name of a column rather than an expression.
+fn is_name(text: &str) -> bool {
+    let word = |c: char| c.is_alphanumeric() || matches!(c, '_' | '.' | ':');
+    text.starts_with(|c: char| c.is_alphabetic()) && text.chars().all(word)
 }
 
 type Column = Result<Vec<f64>, ExpressionError>;
@@ -216,20 +223,29 @@ impl<'t> Parser<'t> {
             }
         }
     }
+    /// The length of the vector `name`, or the size of the column of that name.
+    fn size(&self, name: &str) -> Column {
+        let whole = format!("mag({name})");
+        let Some(table) = self.table else { return self.column(&whole) };
+        if table.column(&whole).is_some() {
+            return self.column(&whole);
+        }
+        let part = |axis: &str| table.column(&format!("{name}_{axis}"));
+        if let (Some(x), Some(y), Some(z)) = (part("x"), part("y"), part("z")) {
+            let of = |k: usize| &table.columns[k];
+            let row = |i: usize| of(x)[i].hypot(of(y)[i]).hypot(of(z)[i]);
+            return Ok((0..self.n).map(row).collect());
+        }
+        Ok(self.column(name)?.into_iter().map(f64::abs).collect())
+    }
     fn call(&mut self, name: &str) -> Column {
         self.take('(');
-        if name == "mag" {
-            let Some((vector, rest)) = self.rest.split_once(')') else {
-                return self.expected("`)`");
-            };
+        if name == "mag"
+            && let Some((inside, rest)) = self.rest.split_once(')')
+            && is_name(inside.trim())
+        {
             self.rest = rest;
-            let square = |axis: &str| {
-                let x = self.column(&format!("{}_{axis}", vector.trim()))?;
-                Ok(x.into_iter().map(|x| x * x).collect::<Vec<f64>>())
-            };
-            let sum =
-                zip(zip(square("x")?, &square("y")?, |a, b| a + b), &square("z")?, |a, b| a + b);
-            return Ok(sum.into_iter().map(f64::sqrt).collect());
+            return self.size(inside.trim());
         }
         let x = self.sum()?;
         if !self.take(')') {
@@ -238,7 +254,7 @@ impl<'t> Parser<'t> {
         let map = |f: fn(f64) -> f64| Ok(x.iter().map(|x| f(*x)).collect());
         let all = |v: f64| Ok(vec![v; x.len()]);
         match name {
-            "abs" => map(f64::abs),
+            "abs" | "mag" => map(f64::abs),
             "sqrt" => map(f64::sqrt),
             "exp" => map(f64::exp),
             "log" => map(f64::ln),
@@ -281,10 +297,8 @@ mod tests {
     fn vectors_and_names_with_dots() {
         let t = Table::parse("# U_x U_y U_z a.b\n3 4 12 7\n");
         assert_eq!(evaluate("mag( U )/13 + a.b", &t).unwrap(), [8.0]);
-        assert_eq!(
-            names("mag(U) + max(a.b)*pi + U_x").unwrap(),
-            ["U_x", "U_y", "U_z", "a.b", "pi"]
-        );
+        assert_eq!(evaluate("mag(U_x - 10) + mag(a.b)", &t).unwrap(), [14.0]);
+        assert_eq!(names("mag(U) + max(a.b)*pi + U_x").unwrap(), ["U_x", "a.b", "mag(U)", "pi"]);
         assert!(evaluate("mag(V)", &t).is_err() && check("mag(U").is_err());
     }
 

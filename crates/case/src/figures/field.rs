@@ -88,11 +88,26 @@ impl<'a> Scene<'a> {
         }
     }
 
+    /// The length of a vector, or the size of a scalar.
+    fn size(&self, name: &str, sink: &Sink) -> Result<Option<Samples>, CaseError> {
+        let Some(parts) = self.field(name, sink)? else { return Ok(None) };
+        let mut out = parts[0].clone();
+        for (i, v) in out.values.iter_mut().enumerate() {
+            *v = parts.iter().map(|p| p.values[i] * p.values[i]).sum::<f64>().sqrt();
+        }
+        Ok(Some(out))
+    }
+
     fn column(&self, name: &str, sink: &Sink) -> Result<Option<Samples>, CaseError> {
         if let Some(all) = self.field(name, sink)?
             && let [only] = &all[..]
         {
             return Ok(Some(only.clone()));
+        }
+        if let Some(inside) = name.strip_prefix("mag(").and_then(|n| n.strip_suffix(')'))
+            && let Some(size) = self.size(inside, sink)?
+        {
+            return Ok(Some(size));
         }
         let axis = |s: &str| ["x", "y", "z"].iter().position(|a| *a == s);
         if let Some(k) = axis(name) {
@@ -108,6 +123,8 @@ impl<'a> Scene<'a> {
 
     /// An error about a name that is no field of this time.
     fn unknown(&self, r: &Reader<'_>, key: &str, name: &str) -> Result<(), CaseError> {
+        let inside = name.strip_prefix("mag(").and_then(|n| n.strip_suffix(')'));
+        let name = inside.unwrap_or(name);
         let mut there = Vec::new();
         for file in export::names_in(&self.root.join(self.time))? {
             match self.field(&file, r.sink())?.map_or(0, |all| all.len()) {

@@ -38,6 +38,7 @@ mod limits;
 mod shades;
 mod slice;
 mod solid;
+mod stream;
 pub mod table;
 
 use crate::CaseError;

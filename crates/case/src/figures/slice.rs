@@ -3,6 +3,7 @@
 use super::field::{Scene, check};
 use super::limits::Limits;
 use super::shades::{ShadeSpec, range};
+use super::stream;
 use crate::CaseError;
 use crate::plot::{Arrows, Axis, SliceFigure, round_levels};
 use crate::section::{self, CARRIED, Corner, OTHERS, Piece, VECTOR};
@@ -23,9 +24,9 @@ fn contours(r: &Reader<'_>) -> Contours {
         return Contours::Levels(levels);
     }
     match token.label() {
-        Some(n @ 1..=100) => Contours::Count(n as usize),
+        Some(n @ 0..=100) => Contours::Count(n as usize),
         _ => {
-            let help = Some("write a number of lines, 1 to 100, or a list of levels");
+            let help = Some("write a number of lines, 0 to 100, or a list of levels");
             let message = format!("{} is no number of contours", token.describe());
             r.error_at_key("contours", message, "not known", help);
             Contours::Count(0)
@@ -33,11 +34,11 @@ fn contours(r: &Reader<'_>) -> Contours {
     }
 }
 
-/// What `arrows` asks for.
+/// What `arrows` or `streamLines` asks for.
 struct ArrowSpec<'a> {
     reader: Reader<'a>,
     field: &'a str,
-    /// Distance of arrows in the unit of the axes.
+    /// Distance of arrows or lines in the unit of the axes.
     spacing: Option<f64>,
     /// Length of the longest one in the unit of the axes.
     longest: Option<f64>,
@@ -45,6 +46,12 @@ struct ArrowSpec<'a> {
 }
 
 impl<'a> ArrowSpec<'a> {
+    /// Lines have neither length nor key.
+    fn read_lines(reader: Reader<'a>) -> ArrowSpec<'a> {
+        let spacing = reader.has("spacing").then(|| reader.positive("spacing", Dims::NONE));
+        ArrowSpec { field: reader.word("field"), spacing, longest: None, unit: "", reader }
+    }
+
     fn read(reader: Reader<'a>) -> ArrowSpec<'a> {
         let given = |key| reader.has(key).then(|| reader.positive(key, Dims::NONE));
         ArrowSpec {
@@ -138,6 +145,7 @@ pub(super) struct SliceSpec<'a> {
     lines: Option<Reader<'a>>,
     levels: Vec<(&'a str, f64)>,
     arrows: Option<ArrowSpec<'a>>,
+    streams: Option<ArrowSpec<'a>>,
 }
 
 impl<'a> SliceSpec<'a> {
@@ -163,6 +171,13 @@ impl<'a> SliceSpec<'a> {
             let message = "`where` and `lines` name at most four fields together";
             r.error_at_key("lines", message, "too many", None);
         }
+        let arrows = r.opt_sub("arrows").map(ArrowSpec::read);
+        let streams = r.opt_sub("streamLines").map(ArrowSpec::read_lines);
+        if arrows.is_some() && streams.is_some() {
+            let help = "draw two figures";
+            let message = "a slice has `arrows` or `streamLines`, not both";
+            r.error_at_key("streamLines", message, "one of them", Some(help));
+        }
         SliceSpec {
             r: r.clone(),
             title: r.opt_string("title", ""),
@@ -176,7 +191,8 @@ impl<'a> SliceSpec<'a> {
             limits,
             lines,
             levels,
-            arrows: r.opt_sub("arrows").map(ArrowSpec::read),
+            arrows,
+            streams,
         }
     }
 
@@ -191,8 +207,8 @@ impl<'a> SliceSpec<'a> {
             let values = scene.at_points(reader, field, field)?;
             slots.extend(values.map(|v| (OTHERS + self.limits.len() + k, v)));
         }
-        if let Some(arrows) = &self.arrows {
-            slots.extend(arrows.slots(scene, &self.limits)?);
+        if let Some(vector) = self.arrows.as_ref().or(self.streams.as_ref()) {
+            slots.extend(vector.slots(scene, &self.limits)?);
         }
         Ok(Some(slots))
     }
@@ -252,6 +268,10 @@ impl<'a> SliceSpec<'a> {
                     unit: spec.unit.to_owned(),
                 }
             }),
+            streams: self.streams.as_ref().map_or(Vec::new(), |spec| {
+                let spacing = spec.spacing.unwrap_or(extent / 30.0).max(extent / 500.0);
+                stream::lines(&vectors_on(&pieces, plane), spacing)
+            }),
             shades,
         }))
     }
@@ -288,6 +308,16 @@ fn triangles(
         }
     }
     out
+}
+
+/// Corners on the page with the vector in the plane.
+fn vectors_on(pieces: &[Piece], plane: &Plane) -> Vec<[Arrow; 3]> {
+    let (u, v) = plane.axes;
+    let corner = |c: Corner| {
+        let w = [c.v[VECTOR], c.v[VECTOR + 1], c.v[VECTOR + 2]];
+        (plane.flat(c.at), (dot(w, u), dot(w, v)))
+    };
+    pieces.iter().map(|p| p.corners.map(corner)).collect()
 }
 
 type Arrow = ((f64, f64), (f64, f64));

@@ -12,7 +12,8 @@ pub struct Table {
 impl Table {
     /// Reads a text: `#` starts a comment, the last one before the numbers names the columns if
     /// it has as many words; else a first line that is not numbers does. Columns are separated by
-    /// commas, or by blanks; parentheses of vectors do not count. Other lines are left out.
+    /// commas, or by blanks; parentheses of vectors do not count. Lines that do not begin with a number are
+    /// left out.
     pub fn parse(text: &str) -> Table {
         let mut table = Table::default();
         let mut heads: Vec<Vec<String>> = Vec::new();
@@ -25,7 +26,7 @@ impl Table {
                 continue;
             }
             let words = split(line);
-            let numbers: Option<Vec<f64>> = words.iter().map(|w| w.parse().ok()).collect();
+            let numbers = row(&words);
             match numbers {
                 Some(n) if !n.is_empty() => {
                     if table.columns.is_empty() {
@@ -49,14 +50,34 @@ impl Table {
         table
     }
 
-    /// The column called `name`, or `colN` by its number.
+    /// The column called `name`, or `colN` by its number. `U_x` finds `U_0` as well.
     pub fn column(&self, name: &str) -> Option<usize> {
         let by_number = || {
             let i: usize = name.strip_prefix("col")?.parse().ok()?;
             (1..=self.columns.len()).contains(&i).then(|| i - 1)
         };
-        self.names.iter().position(|n| n == name).or_else(by_number)
+        // OpenFOAM's csv files number the components of vectors.
+        let numbered = || {
+            let (vector, axis) = name.rsplit_once('_')?;
+            let k = ["x", "y", "z"].iter().position(|a| *a == axis)?;
+            let wanted = format!("{vector}_{k}");
+            self.names.iter().position(|n| *n == wanted)
+        };
+        let named = self.names.iter().position(|n| n == name);
+        named.or_else(numbered).or_else(by_number)
     }
+}
+
+/// The numbers of a line that begins with one. Words among them, such as the name of a solver, are no
+/// numbers; `true` and `false` are 1 and 0.
+fn row(words: &[String]) -> Option<Vec<f64>> {
+    words.first()?.parse::<f64>().ok()?;
+    let number = |w: &String| match w.as_str() {
+        "true" => 1.0,
+        "false" => 0.0,
+        _ => w.parse().unwrap_or(f64::NAN),
+    };
+    Some(words.iter().map(number).collect())
 }
 
 fn split(line: &str) -> Vec<String> {
@@ -78,6 +99,15 @@ mod tests {
         assert_eq!(t.names, ["r_over_d", "V"]);
         assert_eq!(t.columns, [vec![0.0, 1.5], vec![1.0, 0.6]]);
         assert_eq!((t.column("V"), t.column("col1"), t.column("col3")), (Some(1), Some(0), None));
+    }
+
+    #[test]
+    fn words_among_numbers_take_no_column_away() {
+        let t = Table::parse("# Time\tU_solver\tU_initial\tU_converged\n0.1\tDICPCG\t1e-2\ttrue\n");
+        assert_eq!((t.columns[0][0], t.columns[2][0], t.columns[3][0]), (0.1, 0.01, 1.0));
+        assert!(t.columns[1][0].is_nan());
+        let t = Table::parse("y,U_0,U_1,U_2\n0.5,3,4,5\n");
+        assert_eq!((t.column("U_x"), t.column("U_z"), t.column("V_x")), (Some(1), Some(3), None));
     }
 
     #[test]

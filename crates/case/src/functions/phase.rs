@@ -2,7 +2,7 @@
 //! leaves.
 
 use super::schedule::{Every, Schedule};
-use super::{Entry, Function, Plan, View, Written};
+use super::{Entry, Function, Plan, Remembered, View, Written};
 use crate::CaseConfig;
 use granflow_dict::{Diag, Sink, Span, number};
 use granflow_fv::Unknown;
@@ -29,7 +29,7 @@ impl Plan for Phase {
             sink.push(Diag::error(&self.span, message).label("the case has one"));
         }
     }
-    fn build(&self, _: &Mesh, _: &Exec) -> Box<dyn Function> {
+    fn build(&self, _: &Mesh, _: &Exec, _: Option<&Remembered>) -> Box<dyn Function> {
         Box::new(self.clone())
     }
 }
@@ -79,9 +79,6 @@ fn outflow(view: &View<'_>, alpha: &Unknown<f64>) -> f64 {
 }
 
 impl Function for Phase {
-    fn needs_derived(&self) -> bool {
-        false
-    }
     fn sample(&mut self, view: &View<'_>) -> Vec<Written> {
         let Some(alpha) = view.alpha else { return Vec::new() };
         let leaves = outflow(view, alpha);
@@ -107,7 +104,7 @@ impl Function for Phase {
         }
         let cells: Vec<String> = row.into_iter().map(number).collect();
         vec![Written::Line {
-            file: "phase.dat",
+            file: "phase.dat".into(),
             header:
                 "# The first phase: m3, m, m/s, m3/s\n# Time\tvolume\tx\ty\tz\tU_x\tU_y\tU_z\tx_min\t\
                      x_max\ty_min\ty_max\tz_min\tz_max\toutflow"

@@ -1,9 +1,10 @@
 //! Values at points, at every step or so.
 
+use super::field::components;
 use super::locate::Locator;
 use super::quantity::Wanted;
 use super::schedule::{Every, Schedule};
-use super::{Entry, Function, Plan, View, Written, columns};
+use super::{Entry, Function, Plan, Reading, Remembered, View, Written, columns};
 use crate::CaseConfig;
 use granflow_base::Vec3;
 use granflow_dict::{Diag, Reader, Sink, Span};
@@ -14,7 +15,7 @@ pub(super) const ENTRY: Entry = Entry {
     name: "probes",
     summary: "values at points against time, one table a field",
     reference: "OpenFOAM user guide, function objects",
-    read: |r, name| Box::new(Probes::read(r, name)),
+    read: |r, reading| Box::new(Probes::read(r, reading)),
     schedule: Schedule::always(Every::Steps(1)),
 };
 
@@ -32,13 +33,14 @@ struct Probes {
 }
 
 impl Probes {
-    fn read(r: &Reader<'_>, name: &str) -> Probes {
+    fn read(r: &Reader<'_>, reading: &Reading<'_>) -> Probes {
+        // Of moving meshes.
         r.ignore("fixedLocations");
         r.ignore("includeOutOfBounds");
         let scheme = [("cell", false), ("cellPoint", true), ("cellPointFace", true)];
         Probes {
-            name: name.into(),
-            fields: Wanted::read(r, "fields"),
+            name: reading.name.into(),
+            fields: Wanted::read(r, "fields", reading),
             points: r.vectors("probeLocations"),
             span: r.value_span("probeLocations"),
             linear: r.opt_one_of("interpolationScheme", &scheme, false),
@@ -61,7 +63,10 @@ impl Plan for Probes {
             }
         }
     }
-    fn build(&self, mesh: &Mesh, exec: &Exec) -> Box<dyn Function> {
+    fn uses(&self) -> Vec<usize> {
+        self.fields.uses()
+    }
+    fn build(&self, mesh: &Mesh, exec: &Exec, _: Option<&Remembered>) -> Box<dyn Function> {
         let mut find = Locator::new(mesh);
         let mut cells: Vec<Option<usize>> = self.points.iter().map(|x| find.find(*x)).collect();
         // A point on a cut belongs to the lowest rank that holds it.
@@ -88,35 +93,36 @@ impl Function for Placed {
     }
     fn sample(&mut self, view: &View<'_>) -> Vec<Written> {
         let mut out = Vec::new();
-        for &q in &self.plan.fields.list {
+        for field in &self.plan.fields.list {
+            let (q, n) = (field.quantity, field.quantity.n());
             // Values and how many ranks gave one.
-            let mut sums = Vec::with_capacity(4 * self.cells.len());
+            let mut sums = Vec::with_capacity((n + 1) * self.cells.len());
             for (cell, x) in self.cells.iter().zip(&self.plan.points) {
                 match cell {
                     Some(c) => {
-                        sums.extend(view.at(q, *c, *x, self.plan.linear));
+                        sums.extend(&view.at(q, *c, *x, self.plan.linear)[..n]);
                         sums.push(1.0);
                     }
-                    None => sums.extend([0.0; 4]),
+                    None => sums.extend(vec![0.0; n + 1]),
                 }
             }
             view.exec.comm().sum(&mut sums);
             if view.exec.rank() != 0 {
                 continue;
             }
-            let mut line = view.time_name.to_owned();
-            for v in sums.chunks_exact(4) {
-                let v = if v[3] > 0.0 { [v[0], v[1], v[2]] } else { [OUTSIDE; 3] };
-                line.push('\t');
-                line.push_str(&columns::value(q, v));
-            }
+            let mut line = format!("{:>13}", view.time_name);
             let mut header = String::new();
-            for (i, x) in self.plan.points.iter().enumerate() {
-                header.push_str(&format!("# Probe {i} {}\n", columns::vector(*x)));
+            let mut numbers = String::new();
+            for (i, (v, x)) in sums.chunks_exact(n + 1).zip(&self.plan.points).enumerate() {
+                let there = v[n] > 0.0;
+                let v = if there { components(&v[..n]) } else { [OUTSIDE; 9] };
+                line += &format!(" {:>13}", columns::value(q.rank(), &v));
+                let missing = if there { "" } else { "  # Not Found" };
+                header += &format!("# Probe {i} {}{missing}\n", columns::vector(*x));
+                numbers += &format!(" {i:>13}");
             }
-            let numbers: Vec<String> = (0..self.plan.points.len()).map(|i| i.to_string()).collect();
-            header.push_str(&format!("# Probe\t{}\n# Time", numbers.join("\t")));
-            out.push(Written::Line { file: q.name(), header, line });
+            header += &format!("# {:>11}{numbers}\n# {:>11}", "Probe", "Time");
+            out.push(Written::Line { file: field.name.clone(), header, line });
         }
         out
     }

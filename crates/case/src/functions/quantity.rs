@@ -1,14 +1,11 @@
 //! What functions may look at, by name.
 
-use granflow_base::{Dims, Tensor, Vec3, dot, norm, sub};
-use granflow_dict::{Reader, Sink, Span, nearest};
-use granflow_flow::{Flow, Report, StepError};
-use granflow_fv::{FaceField, Unknown};
-use granflow_mesh::Mesh;
-use granflow_par::Exec;
-use granflow_physics::rheology::Granular;
+use super::Reading;
+use super::field::{Rank, Unit};
+use granflow_base::Dims;
+use granflow_dict::{Diag, Reader, Sink, Span, nearest};
 
-/// A field by its name in files.
+/// A field that functions may look at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Velocity, m/s.
@@ -19,6 +16,8 @@ pub enum Quantity {
     PRgh,
     /// Volume fraction of the first phase, by its name in files (`alpha.water`).
     Alpha,
+    /// Density, kg/m3.
+    Rho,
     /// Fluidity, 1/s.
     Fluidity,
     /// `sqrt(2 D:D)`, 1/s.
@@ -29,42 +28,124 @@ pub enum Quantity {
     StressRatio,
     /// Inertial number.
     InertialNumber,
+    /// Field `slot` of those that the function number `function` makes.
+    Made {
+        /// Which function.
+        function: usize,
+        /// Which of its fields.
+        slot: usize,
+        /// What it holds.
+        rank: Rank,
+    },
 }
 
 impl Quantity {
-    /// Every quantity with its name.
+    /// Every quantity of the flow itself with its name.
     pub const ALL: &[(&str, Quantity)] = &[
         ("U", Quantity::U),
         ("p", Quantity::P),
         ("p_rgh", Quantity::PRgh),
         ("alpha", Quantity::Alpha),
+        ("rho", Quantity::Rho),
         ("fluidity", Quantity::Fluidity),
         ("strainRate", Quantity::StrainRate),
         ("viscosity", Quantity::Viscosity),
         ("stressRatio", Quantity::StressRatio),
         ("inertialNumber", Quantity::InertialNumber),
     ];
-    /// Its name.
-    pub fn name(self) -> &'static str {
-        Self::ALL.iter().find(|q| q.1 == self).map_or("", |q| q.0)
+    /// What it holds.
+    pub fn rank(self) -> Rank {
+        match self {
+            Quantity::U => Rank::Vector,
+            Quantity::Made { rank, .. } => rank,
+            _ => Rank::Scalar,
+        }
     }
     /// Its number of components.
     pub fn n(self) -> usize {
-        if self == Quantity::U { 3 } else { 1 }
+        self.rank().n()
     }
-    /// Names of its columns: `U_x U_y U_z` or the name alone.
-    pub fn columns(self) -> Vec<String> {
-        match self.n() {
-            3 => ["x", "y", "z"].map(|c| format!("{}_{c}", self.name())).to_vec(),
-            _ => vec![self.name().to_owned()],
+    /// Its dimensions, but for those of what functions make.
+    fn unit(self) -> Unit {
+        match self {
+            Quantity::U => Unit::of(Dims::VELOCITY),
+            Quantity::P | Quantity::PRgh => Unit::PRESSURE,
+            Quantity::Rho => Unit::of(Dims::DENSITY),
+            Quantity::Fluidity | Quantity::StrainRate => Unit::of(Dims::RATE),
+            Quantity::Viscosity => Unit::of(Dims::VISCOSITY),
+            _ => Unit::of(Dims::NONE),
         }
+    }
+    /// Whether boundary faces have values of their own.
+    fn on_faces(self) -> bool {
+        matches!(self, Quantity::U | Quantity::P | Quantity::PRgh | Quantity::Alpha)
     }
     /// Whether it follows from the state by a computation of its own.
     pub fn derived(self) -> bool {
-        !matches!(
+        matches!(
             self,
-            Quantity::U | Quantity::P | Quantity::PRgh | Quantity::Alpha | Quantity::Fluidity
+            Quantity::StrainRate
+                | Quantity::Viscosity
+                | Quantity::StressRatio
+                | Quantity::InertialNumber
         )
+    }
+}
+
+/// A field under the name that the dictionary gives it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Named {
+    /// The name, which files and columns have.
+    pub name: String,
+    /// The field.
+    pub quantity: Quantity,
+    /// Its dimensions.
+    pub unit: Unit,
+    /// Whether boundary faces have values of their own.
+    pub on_faces: bool,
+}
+
+impl Named {
+    /// The field called `name`, if there is one.
+    pub(super) fn find(name: &str, reading: &Reading<'_>) -> Option<Named> {
+        if let Some(made) = reading.made.iter().rev().find(|m| m.info.name == name) {
+            let quantity =
+                Quantity::Made { function: made.function, slot: made.slot, rank: made.info.rank };
+            let (unit, on_faces) = (made.info.unit, made.info.on_faces);
+            return Some(Named { name: name.into(), quantity, unit, on_faces });
+        }
+        let word = if name.starts_with("alpha.") { "alpha" } else { name };
+        let quantity = Quantity::ALL.iter().find(|q| q.0 == word)?.1;
+        let (unit, on_faces) = (quantity.unit(), quantity.on_faces());
+        Some(Named { name: name.into(), quantity, unit, on_faces })
+    }
+
+    /// The field called `name`, which stands at `span`; a mistake goes to the sink.
+    pub(super) fn read(r: &Reader<'_>, span: &Span, name: &str, reading: &Reading<'_>) -> Named {
+        if let Some(found) = Named::find(name, reading) {
+            return found;
+        }
+        if !name.is_empty() {
+            let names: Vec<&str> = Quantity::ALL
+                .iter()
+                .map(|q| q.0)
+                .chain(reading.made.iter().map(|m| m.info.name.as_str()))
+                .collect();
+            let near = nearest(name, names.iter().copied());
+            let near = near.map_or(String::new(), |n| format!("did you mean `{n}`? "));
+            let help = format!(
+                "{near}known fields are {}, and what functions before this one make",
+                names.join(", ")
+            );
+            r.error_at(span, format!("unknown field `{name}`"), "not known", Some(&help));
+        }
+        Named { name: name.into(), quantity: Quantity::U, unit: Quantity::U.unit(), on_faces: true }
+    }
+
+    /// Names of its columns: `U_x U_y U_z` or the name alone.
+    pub fn columns(&self) -> Vec<String> {
+        let suffixes = self.quantity.rank().suffixes();
+        suffixes.iter().map(|s| format!("{}{s}", self.name)).collect()
     }
 }
 
@@ -72,37 +153,39 @@ impl Quantity {
 #[derive(Clone, Debug)]
 pub(crate) struct Wanted {
     /// The fields.
-    pub(crate) list: Vec<Quantity>,
+    pub(crate) list: Vec<Named>,
     /// Where they were written.
     pub(crate) span: Span,
 }
 
 impl Wanted {
     /// Reads a list of names under `key`; mistakes go to the sink.
-    pub(crate) fn read(r: &Reader<'_>, key: &str) -> Wanted {
+    pub(crate) fn read(r: &Reader<'_>, key: &str, reading: &Reading<'_>) -> Wanted {
         let words = r.words(key);
         let span = r.value_span(key);
-        let mut list = Vec::new();
-        for w in words {
-            let word = if w.starts_with("alpha.") { "alpha" } else { w };
-            match Quantity::ALL.iter().find(|q| q.0 == word) {
-                Some(q) => list.push(q.1),
-                None => {
-                    let names = Quantity::ALL.iter().map(|q| q.0);
-                    let near = nearest(w, names.clone());
-                    let near = near.map_or(String::new(), |n| format!("did you mean `{n}`? "));
-                    let known: Vec<&str> = names.collect();
-                    let help = format!("{near}known fields are {}", known.join(", "));
-                    r.error_at(&span, format!("unknown field `{w}`"), "not known", Some(&help));
-                }
+        let list = words.into_iter().map(|w| Named::read(r, &span, w, reading)).collect();
+        Wanted { list, span }
+    }
+    /// Reads the one name under `key`.
+    pub(crate) fn one(r: &Reader<'_>, key: &str, reading: &Reading<'_>) -> Wanted {
+        let span = r.value_span(key);
+        let list = vec![Named::read(r, &span, r.string(key), reading)];
+        Wanted { list, span }
+    }
+    /// Reads a `field` that can only be the velocity.
+    pub(crate) fn velocity(r: &Reader<'_>) -> Wanted {
+        for key in ["U", "field"] {
+            if r.maybe_string(key).is_some_and(|w| w != "U") {
+                let help = "`grad`, `div` and `mag` take any field";
+                r.error_at_key(key, "this is made of the velocity", "write `U`", Some(help));
             }
         }
-        Wanted { list, span }
+        Wanted { list: Vec::new(), span: Span::none() }
     }
     /// Complains about fields that this case does not have.
     pub(crate) fn check(&self, config: &crate::CaseConfig, sink: &Sink) {
         for q in &self.list {
-            let why = match q {
+            let why = match q.quantity {
                 Quantity::PRgh if config.pressure() == "p" => "the case has no gravity: use `p`",
                 Quantity::Alpha if config.transport.second.is_none() => "it has one phase only",
                 Quantity::Fluidity if !config.transport.has_fluidity => {
@@ -115,214 +198,20 @@ impl Wanted {
                 }
                 _ => continue,
             };
-            let message = format!("the case has no field `{}`", q.name());
-            sink.push(granflow_dict::Diag::error(&self.span, message).label(why));
+            let message = format!("the case has no field `{}`", q.name);
+            sink.push(Diag::error(&self.span, message).label(why));
         }
     }
     /// Whether one of them must be computed.
     pub(crate) fn derived(&self) -> bool {
-        self.list.iter().any(|q| q.derived())
+        self.list.iter().any(|q| q.quantity.derived())
     }
-}
-
-/// Fields that follow from the state, cells and ghosts; made once for all functions of a moment.
-#[derive(Default)]
-pub struct Derivations {
-    /// `sqrt(2 D:D)`, 1/s.
-    pub strain_rate: Vec<f64>,
-    /// Viscosity, Pa s.
-    pub viscosity: Vec<f64>,
-    /// Pressure between grains (with its hydrostatic part), Pa.
-    pub pressure: Vec<f64>,
-    /// Velocity gradient, 1/s.
-    pub gradient_u: Vec<Tensor>,
-    /// Viscosity on faces, Pa s.
-    pub viscosity_f: Option<FaceField<f64>>,
-}
-
-impl Derivations {
-    /// Computes them anew. Every rank calls it.
-    ///
-    /// # Errors
-    /// The rheology gives no viscosity.
-    pub fn update(&mut self, flow: &mut Flow) -> Result<(), StepError> {
-        let n_all = flow.mesh.n_all();
-        let mesh = flow.mesh.clone();
-        let d = flow.derived()?;
-        let copy = |to: &mut Vec<f64>, from: &[f64]| {
-            to.resize(n_all, 0.0);
-            to[..from.len()].copy_from_slice(from);
-        };
-        copy(&mut self.strain_rate, d.strain_rate);
-        copy(&mut self.viscosity, d.viscosity);
-        copy(&mut self.pressure, d.pressure);
-        self.gradient_u.clear();
-        self.gradient_u.extend_from_slice(d.gradient_u);
-        let faces = self
-            .viscosity_f
-            .get_or_insert_with(|| FaceField::new(&mesh, "viscosity", Dims::VISCOSITY, 0.0));
-        faces.data.copy_from_slice(d.viscosity_f);
-        for ghosts in [&mut self.strain_rate, &mut self.viscosity, &mut self.pressure] {
-            mesh.halo.update(&flow.exec, ghosts);
-        }
-        Ok(())
-    }
-}
-
-/// The flow as functions see it.
-pub struct View<'a> {
-    /// Threads and ranks.
-    pub exec: &'a Exec,
-    /// This rank's mesh.
-    pub mesh: &'a Mesh,
-    /// Velocity.
-    pub u: &'a Unknown<Vec3>,
-    /// Pressure, p or p_rgh, Pa.
-    pub p: &'a Unknown<f64>,
-    /// Fluidity, 1/s.
-    pub fluidity: Option<&'a [f64]>,
-    /// What follows from the state; empty unless a function asked for it.
-    pub derived: &'a Derivations,
-    /// The grains, if any.
-    pub grains: Option<Granular>,
-    /// Volume fraction of the first phase, where there are two.
-    pub alpha: Option<&'a Unknown<f64>>,
-    /// Volume flux through faces, m3/s.
-    pub phi: &'a [f64],
-    /// Mass flux through faces in the last step, kg/s, where there are two phases.
-    pub mass_flux: Option<&'a [f64]>,
-    /// Density in the cells, kg/m3.
-    pub density: &'a [f64],
-    /// The part of gravity in p_rgh, m/s2.
-    pub gravity: Vec3,
-    /// Pressure inside over pressure in files.
-    pub pressure_factor: f64,
-    /// Time, s.
-    pub time: f64,
-    /// Text of the time in tables.
-    pub time_name: &'a str,
-    /// What the step did.
-    pub report: &'a Report,
-}
-
-impl View<'_> {
-    /// The value in a cell (own or ghost); a scalar has its value in the first component.
-    pub fn cell(&self, q: Quantity, c: usize) -> Vec3 {
-        let d = self.derived;
-        let scalar = |x: f64| [x, 0.0, 0.0];
-        // Where grains lose contact there is no pressure to divide by.
-        let loose = self.grains.map_or(f64::MIN_POSITIVE, |g| g.loose());
-        // Nothing is said of a fluid beside the grains.
-        let here = |c: usize| self.alpha.is_none_or(|a| a.cells.data[c] > 0.5);
-        let mu = |c: usize| match here(c) {
-            true => d.strain_rate[c] * d.viscosity[c] / d.pressure[c].max(loose),
-            false => 0.0,
-        };
-        match q {
-            Quantity::U => self.u.cells.data[c],
-            Quantity::P => {
-                let weight = self.density[c] * dot(self.gravity, self.mesh.cell_centre[c]);
-                scalar((self.p.cells.data[c] + weight) / self.pressure_factor)
-            }
-            Quantity::PRgh => scalar(self.p.cells.data[c] / self.pressure_factor),
-            Quantity::Alpha => scalar(self.alpha.map_or(0.0, |a| a.cells.data[c])),
-            Quantity::Fluidity => scalar(self.fluidity.map_or(0.0, |g| g[c])),
-            Quantity::StrainRate => scalar(d.strain_rate[c]),
-            Quantity::Viscosity => scalar(d.viscosity[c]),
-            Quantity::StressRatio => scalar(mu(c)),
-            Quantity::InertialNumber => scalar(
-                self.grains
-                    .filter(|_| here(c))
-                    .map_or(0.0, |g| g.inertial_number(d.strain_rate[c], d.pressure[c])),
-            ),
-        }
-    }
-
-    /// The value on a boundary face, where the field has a condition there.
-    pub fn boundary(&self, q: Quantity, f: usize) -> Option<Vec3> {
-        match q {
-            Quantity::U => Some(self.u.boundary_value(self.mesh, f)),
-            Quantity::PRgh => {
-                Some([self.p.boundary_value(self.mesh, f) / self.pressure_factor, 0.0, 0.0])
-            }
-            Quantity::Alpha => self.alpha.map(|a| [a.boundary_value(self.mesh, f), 0.0, 0.0]),
-            Quantity::P => Some([self.pressure_at(f) / self.pressure_factor, 0.0, 0.0]),
+    /// The functions that make some of them.
+    pub(crate) fn uses(&self) -> Vec<usize> {
+        let of = |q: &Named| match q.quantity {
+            Quantity::Made { function, .. } => Some(function),
             _ => None,
-        }
+        };
+        self.list.iter().filter_map(of).collect()
     }
-
-    /// The pressure itself on boundary face `f`, Pa.
-    pub fn pressure_at(&self, f: usize) -> f64 {
-        let rho = self.density[self.mesh.owner[f] as usize];
-        let weight = rho * dot(self.gravity, self.mesh.face_centre[f]);
-        self.p.boundary_value(self.mesh, f) + weight
-    }
-
-    /// The value at `x` in cell `c`: the cell's own, or with `linear` continued by the gradient
-    /// that fits its neighbours best.
-    pub fn at(&self, q: Quantity, c: usize, x: Vec3, linear: bool) -> Vec3 {
-        let here = self.cell(q, c);
-        if !linear {
-            return here;
-        }
-        let mesh = self.mesh;
-        let mut m = [0.0; 9];
-        let mut rhs = [[0.0; 3]; 3];
-        for (f, s) in mesh.faces_of(c) {
-            let d = mesh.delta[f].map(|x| s * x);
-            let there = if f < mesh.n_inner {
-                let other = if s > 0.0 { mesh.neighbour[f] } else { mesh.owner[f] };
-                self.cell(q, other as usize)
-            } else {
-                match self.boundary(q, f) {
-                    Some(v) => v,
-                    None => continue,
-                }
-            };
-            let w = 1.0 / dot(d, d);
-            for i in 0..3 {
-                for j in 0..3 {
-                    m[3 * i + j] += w * d[i] * d[j];
-                    rhs[i][j] += w * d[i] * (there[j] - here[j]);
-                }
-            }
-        }
-        let offset = sub(x, mesh.cell_centre[c]);
-        let t = solve_symmetric(&m, offset);
-        // offset . M^-1 rhs: M is symmetric.
-        let mut v = here;
-        for (j, v) in v.iter_mut().enumerate() {
-            *v += (0..3).map(|i| t[i] * rhs[i][j]).sum::<f64>();
-        }
-        v
-    }
-}
-
-/// `M x = b` in the directions that `M` spans (symmetric, positive semidefinite).
-fn solve_symmetric(m: &Tensor, b: Vec3) -> Vec3 {
-    // Directions without neighbours (empty patches) get no gradient: a small ridge does that to
-    // a relative 1e-12 of the others.
-    let trace = m[0] + m[4] + m[8];
-    let mut a = *m;
-    for k in 0..3 {
-        let bare = m[4 * k] <= 1e-10 * trace;
-        if bare {
-            for j in 0..3 {
-                a[3 * k + j] = 0.0;
-                a[3 * j + k] = 0.0;
-            }
-            a[4 * k] = trace.max(f64::MIN_POSITIVE);
-        }
-    }
-    let b = [0, 1, 2].map(|k| if m[4 * k] <= 1e-10 * trace { 0.0 } else { b[k] });
-    let col = |k: usize| [a[k], a[3 + k], a[6 + k]];
-    let det = dot(col(0), granflow_base::cross(col(1), col(2)));
-    if det.abs() <= 1e-14 * norm(col(0)) * norm(col(1)) * norm(col(2)) {
-        return [0.0; 3];
-    }
-    [
-        dot(b, granflow_base::cross(col(1), col(2))) / det,
-        dot(col(0), granflow_base::cross(b, col(2))) / det,
-        dot(col(0), granflow_base::cross(col(1), b)) / det,
-    ]
 }

@@ -1,7 +1,7 @@
 //! Residuals of every step, for plots of convergence.
 
 use super::schedule::{Every, Schedule};
-use super::{Entry, Function, Plan, View, Written};
+use super::{Entry, Function, Plan, Remembered, View, Written, columns};
 use crate::CaseConfig;
 use granflow_dict::{Sink, number};
 use granflow_mesh::Mesh;
@@ -23,26 +23,23 @@ struct Residuals;
 
 impl Plan for Residuals {
     fn check(&self, _: &Mesh, _: &CaseConfig, _: &Sink) {}
-    fn build(&self, _: &Mesh, _: &Exec) -> Box<dyn Function> {
+    fn build(&self, _: &Mesh, _: &Exec, _: Option<&Remembered>) -> Box<dyn Function> {
         Box::new(Residuals)
     }
 }
 
 impl Function for Residuals {
-    fn needs_derived(&self) -> bool {
-        false
-    }
     fn sample(&mut self, view: &View<'_>) -> Vec<Written> {
         if view.exec.rank() != 0 {
             return Vec::new();
         }
         let r = view.report;
-        let columns = [r.residuals.u, r.residuals.p, r.residuals.viscosity, r.outer as f64];
-        let columns = columns.map(number).join("\t");
+        let cells = [r.residuals.u, r.residuals.p, r.residuals.viscosity, r.outer as f64];
+        let heads = ["U", "p", "viscosity", "outer"].map(str::to_owned);
         vec![Written::Line {
-            file: "residuals.dat",
-            header: "# Residuals\n# Time\tU\tp\tviscosity\touter".into(),
-            line: format!("{}\t{columns}", view.time_name),
+            file: "residuals.dat".into(),
+            header: format!("# Residuals\n{}", columns::head(&heads)),
+            line: columns::row(view, &cells.map(number)),
         }]
     }
 }

@@ -14,6 +14,8 @@ pub enum Every {
     Writes(usize),
     /// The end of the run only.
     End,
+    /// Never.
+    Never,
 }
 
 /// When a function acts.
@@ -64,6 +66,7 @@ impl Schedule {
             ("adjustableRunTime", 2),
             ("adjustable", 2),
             ("onEnd", 3),
+            ("none", 4),
         ];
         // The older name comes first in no file: both are never there together.
         let old = r.has("outputControl") && !r.has("writeControl");
@@ -79,9 +82,9 @@ impl Schedule {
                 0 => Every::Steps(r.opt_label_in(interval, 1..=i64::MAX, 1) as usize),
                 1 => Every::Writes(r.opt_label_in(interval, 1..=i64::MAX, 1) as usize),
                 2 => Every::Seconds(r.positive(interval, Dims::TIME)),
-                _ => {
+                kind => {
                     r.ignore(interval);
-                    Every::End
+                    if kind == 3 { Every::End } else { Every::Never }
                 }
             };
         }
@@ -89,6 +92,16 @@ impl Schedule {
             every,
             from: r.opt_scalar("timeStart", Dims::TIME, default.from),
             to: r.opt_scalar("timeEnd", Dims::TIME, default.to),
+        }
+    }
+
+    /// Whether a time that is written now holds the fields of the function: those of functions that act
+    /// at other moments are written with every time.
+    pub(crate) fn with_times(&self, m: &Moment) -> bool {
+        match self.every {
+            Every::Writes(_) | Every::End => self.due(m),
+            Every::Steps(_) | Every::Seconds(_) => m.time >= self.from && m.time <= self.to,
+            Every::Never => false,
         }
     }
 
@@ -102,6 +115,7 @@ impl Schedule {
             Every::Seconds(s) => passes(m.before, m.time, s),
             Every::Writes(n) => m.written.is_some_and(|w| w.is_multiple_of(n)),
             Every::End => m.last,
+            Every::Never => false,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A flow that is given: OpenFOAM's `setFlow`, for tests of the interface alone (with `frozenFlow`).
 
 use super::schedule::{Every, Schedule};
-use super::{Entry, Function, Plan, View, Written};
+use super::{Entry, Function, Plan, Remembered, View, Written};
 use crate::CaseConfig;
 use granflow_base::{Dims, Vec3, add, cross, dot, norm, scale, sub, unit};
 use granflow_dict::{Diag, Reader, Sink, Span, Value};
@@ -152,7 +152,7 @@ impl Plan for SetFlow {
             sink.push(Diag::error(&self.span, message).label("would be overwritten by the solver"));
         }
     }
-    fn build(&self, _: &Mesh, _: &Exec) -> Box<dyn Function> {
+    fn build(&self, _: &Mesh, _: &Exec, _: Option<&Remembered>) -> Box<dyn Function> {
         Box::new(Nothing)
     }
     fn prescribes(&self) -> Option<&SetFlow> {
@@ -166,8 +166,5 @@ struct Nothing;
 impl Function for Nothing {
     fn sample(&mut self, _: &View<'_>) -> Vec<Written> {
         Vec::new()
-    }
-    fn needs_derived(&self) -> bool {
-        false
     }
 }

@@ -6,23 +6,25 @@
 //! acrossGap { type profile; start (0.051 0 0); end (0.063 0 0); fields (U fluidity); }
 //! ```
 //!
-//! Files: `postProcessing/<function>/<time>/<line>_<fields>.xy` (raw, with a comment line that
-//! names the columns) or `.csv`.
+//! Files: `postProcessing/<function>/<time>/<line>_<fields>.xy` and the like, see
+//! [`super::set_format`].
 
+use super::field::components;
 use super::quantity::Wanted;
 use super::schedule::{Every, Schedule};
+use super::set_format::{Row, Set, SetFormat, files};
 use super::track::{Line, Place};
-use super::{Entry, Function, Plan, View, Written};
+use super::{Entry, Function, Plan, Reading, Remembered, View, Written};
 use crate::CaseConfig;
-use granflow_dict::{Diag, Reader, Sink, Span, Value, number};
+use granflow_dict::{Diag, Reader, Sink, Span, Value};
 use granflow_mesh::Mesh;
 use granflow_par::Exec;
 
 pub(super) const ENTRY: Entry = Entry {
     name: "sets",
-    summary: "profiles along lines, one file a line and time",
+    summary: "profiles along lines: `uniform`, `face`, `midPoint`, `midPointAndFace`, `polyLine`, `cloud`",
     reference: "OpenFOAM user guide, sampling",
-    read: |r, name| Box::new(Sets::read(r, name)),
+    read: |r, reading| Box::new(Sets::read(r, reading)),
     schedule: Schedule::always(Every::Writes(1)),
 };
 
@@ -30,7 +32,7 @@ pub(super) const ENTRY_PROFILE: Entry = Entry {
     name: "profile",
     summary: "a profile along one line: `start`, `end`, `fields`, perhaps `nPoints`, `axis`",
     reference: "as `sets`",
-    read: |r, name| Box::new(Sets::read_profile(r, name)),
+    read: |r, reading| Box::new(Sets::read_profile(r, reading)),
     schedule: Schedule::always(Every::Writes(1)),
 };
 
@@ -40,12 +42,12 @@ struct Sets {
     lines: Vec<(Line, Span)>,
     fields: Wanted,
     linear: bool,
-    csv: bool,
+    format: SetFormat,
 }
 
 impl Sets {
-    fn read(r: &Reader<'_>, name: &str) -> Sets {
-        let mut out = Sets::common(r, name);
+    fn read(r: &Reader<'_>, reading: &Reading<'_>) -> Sets {
+        let mut out = Sets::common(r, reading);
         // `sets ( a { .. } )`, or in newer files `sets { a { .. } }`.
         if matches!(r.dict().get("sets"), Some(Value::Dict(_))) {
             let subs = r.opt_sub("sets").map_or(Vec::new(), |s| s.subs());
@@ -68,41 +70,26 @@ impl Sets {
         out
     }
 
-    fn read_profile(r: &Reader<'_>, name: &str) -> Sets {
-        let mut out = Sets::common(r, name);
+    fn read_profile(r: &Reader<'_>, reading: &Reading<'_>) -> Sets {
+        let mut out = Sets::common(r, reading);
         let points = r.has("points").then_some("points");
-        let line = Line::read(r, name, points);
+        let line = Line::read(r, reading.name, points);
         out.lines.push((line, r.value_span("start")));
         out
     }
 
-    fn common(r: &Reader<'_>, name: &str) -> Sets {
+    fn common(r: &Reader<'_>, reading: &Reading<'_>) -> Sets {
         // Of moving meshes.
         r.ignore("fixedLocations");
         let scheme = [("cell", false), ("cellPoint", true), ("cellPointFace", true)];
         Sets {
-            name: name.into(),
+            name: reading.name.into(),
             lines: Vec::new(),
-            fields: Wanted::read(r, "fields"),
+            fields: Wanted::read(r, "fields", reading),
             linear: r.opt_one_of("interpolationScheme", &scheme, true),
-            csv: format(r),
+            format: SetFormat::read(r, SetFormat::Raw),
         }
     }
-}
-
-/// Formats of other programs' tables: their numbers are written as columns.
-const AS_COLUMNS: &[&str] = &["vtk", "gnuplot", "xmgr", "jplot", "ensight"];
-
-/// Whether tables are csv, rather than columns.
-fn format(r: &Reader<'_>) -> bool {
-    if let Some(word) = r.raw("setFormat").and_then(|t| t.first()?.word())
-        && AS_COLUMNS.contains(&word)
-    {
-        let message = format!("`{word}` is served by `raw`: columns of numbers");
-        r.warn_at_key("setFormat", message, "not written", None);
-        return false;
-    }
-    r.opt_one_of("setFormat", &[("raw", false), ("csv", true)], false)
 }
 
 impl Plan for Sets {
@@ -116,7 +103,10 @@ impl Plan for Sets {
             }
         }
     }
-    fn build(&self, mesh: &Mesh, _: &Exec) -> Box<dyn Function> {
+    fn uses(&self) -> Vec<usize> {
+        self.fields.uses()
+    }
+    fn build(&self, mesh: &Mesh, _: &Exec, _: Option<&Remembered>) -> Box<dyn Function> {
         let places = self.lines.iter().map(|(line, _)| line.places(mesh)).collect();
         Box::new(Placed { plan: self.clone(), places })
     }
@@ -135,46 +125,40 @@ impl Function for Placed {
         let mut out = Vec::new();
         let fields = &self.plan.fields.list;
         for ((line, _), places) in self.plan.lines.iter().zip(&self.places) {
-            let width = 4 + fields.iter().map(|q| q.n()).sum::<usize>();
+            let width = 4 + fields.iter().map(|f| f.quantity.n()).sum::<usize>();
             let mut mine = Vec::with_capacity(width * places.len());
             for place in places {
                 mine.push(place.t);
                 mine.extend(place.x);
-                for &q in fields {
-                    let v = view.at(q, place.cell, place.x, self.plan.linear);
-                    mine.extend(&v[..q.n()]);
+                for f in fields {
+                    let v = view.at(f.quantity, place.cell, place.x, self.plan.linear);
+                    mine.extend(&v[..f.quantity.n()]);
                 }
             }
             let Some(all) = view.exec.comm().gather(mine) else { continue };
-            let mut rows: Vec<&[f64]> = all.iter().flat_map(|v| v.chunks_exact(width)).collect();
-            rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            let mut found: Vec<&[f64]> = all.iter().flat_map(|v| v.chunks_exact(width)).collect();
+            found.sort_by(|a, b| a[0].total_cmp(&b[0]));
             // A point on a face is found in both of its cells.
-            rows.dedup_by(|b, a| b[0] - a[0] < line.grain());
-            let names: Vec<&str> = fields.iter().map(|q| q.name()).collect();
-            let extension = if self.plan.csv { "csv" } else { "xy" };
-            out.push(Written::File {
-                file: format!("{}_{}.{extension}", line.name, names.join("_")),
-                text: self.table(line, &rows),
-            });
+            found.dedup_by(|b, a| b[0] - a[0] < line.grain());
+            let rows: Vec<Row> = found.iter().map(|v| row(v, &self.plan)).collect();
+            let along: Vec<Vec<f64>> =
+                found.iter().map(|v| line.along(v[0], [v[1], v[2], v[3]])).collect();
+            let set =
+                Set { name: &line.name, heads: &line.heads(), rows: &rows, along: &along, fields };
+            out.extend(files(self.plan.format, &set));
         }
         out
     }
 }
 
-impl Placed {
-    fn table(&self, line: &Line, rows: &[&[f64]]) -> String {
-        let mut heads: Vec<String> = line.heads().iter().map(|h| (*h).to_owned()).collect();
-        heads.extend(self.plan.fields.list.iter().flat_map(|q| q.columns()));
-        let separator = if self.plan.csv { "," } else { "\t" };
-        let start = if self.plan.csv { "" } else { "# " };
-        let mut text = format!("{start}{}\n", heads.join(separator));
-        for row in rows {
-            let mut cells = line.along([row[1], row[2], row[3]]);
-            cells.extend(&row[4..]);
-            let cells: Vec<String> = cells.into_iter().map(number).collect();
-            text.push_str(&cells.join(separator));
-            text.push('\n');
-        }
-        text
+/// A point and its values from what was gathered: order, place, components of all fields.
+fn row(gathered: &[f64], plan: &Sets) -> Row {
+    let mut rest = &gathered[4..];
+    let mut values = Vec::with_capacity(plan.fields.list.len());
+    for f in &plan.fields.list {
+        let (own, others) = rest.split_at(f.quantity.n());
+        values.push(components(own));
+        rest = others;
     }
+    Row { at: [gathered[1], gathered[2], gathered[3]], values }
 }

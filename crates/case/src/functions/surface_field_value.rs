@@ -1,243 +1,250 @@
-//! Sums, means and extremes of fields over a patch: what flows through it, for instance.
+//! Sums, means and extremes of fields over a patch or a cut: what flows through it, for instance.
 
+use super::cut::{Cut, CutPlan};
+use super::field::{Components, components};
+use super::operations::{Element, OVER_FACES, Operation};
+use super::patches::Patches;
+use super::quantity::{Named, Quantity, Wanted};
 use super::schedule::{Every, Schedule};
-use super::{Entry, Function, Plan, Quantity, View, Written, columns};
+use super::{Entry, Function, Plan, Rank, Reading, Remembered, View, Written, columns};
 use crate::CaseConfig;
-use granflow_base::{Vec3, add, scale};
-use granflow_dict::{Diag, Reader, Sink, Span, nearest, number};
-use granflow_mesh::{Mesh, PatchKind};
+use granflow_base::Dims;
+use granflow_dict::{Diag, Reader, Sink, Span, number};
+use granflow_mesh::Mesh;
 use granflow_par::Exec;
 
 pub(super) const ENTRY: Entry = Entry {
     name: "surfaceFieldValue",
-    summary: "sum, mean, integral or extremes of fields over the faces of a patch",
+    summary: "sum, mean, integral, variation or extremes of fields over a patch or a sampled surface",
     reference: "OpenFOAM user guide, function objects",
-    read: |r, _| Box::new(SurfaceFieldValue::read(r)),
+    read: |r, reading| Box::new(SurfaceFieldValue::read(r, reading)),
     schedule: Schedule::always(Every::Steps(1)),
 };
 
-/// What is made of the values on the faces.
-#[derive(Clone, Copy, PartialEq)]
-enum Operation {
-    Sum,
-    SumMag,
-    Average,
-    AreaAverage,
-    AreaIntegrate,
-    Min,
-    Max,
-}
-
-impl Operation {
-    const ALL: &[(&str, Operation)] = &[
-        ("sum", Operation::Sum),
-        ("sumMag", Operation::SumMag),
-        ("average", Operation::Average),
-        ("areaAverage", Operation::AreaAverage),
-        ("areaIntegrate", Operation::AreaIntegrate),
-        ("min", Operation::Min),
-        ("max", Operation::Max),
-    ];
-    fn name(self) -> &'static str {
-        Self::ALL.iter().find(|o| o.1 == self).map_or("", |o| o.0)
-    }
-}
-
-/// A field on boundary faces.
-#[derive(Clone, Copy)]
+/// A field on faces.
+#[derive(Clone)]
 enum OnFaces {
     /// Volume flux outwards, m3/s.
     Phi,
     /// Mass flux outwards, kg/s.
     RhoPhi,
-    /// A field with a condition on the patch.
+    /// A field.
     Of(Quantity),
 }
 
 impl OnFaces {
-    const ALL: &[(&str, OnFaces)] = &[
-        ("phi", OnFaces::Phi),
-        ("rhoPhi", OnFaces::RhoPhi),
-        ("U", OnFaces::Of(Quantity::U)),
-        ("p", OnFaces::Of(Quantity::P)),
-        ("p_rgh", OnFaces::Of(Quantity::PRgh)),
-    ];
-    fn n(self) -> usize {
-        if matches!(self, OnFaces::Of(Quantity::U)) { 3 } else { 1 }
-    }
-    fn at(self, view: &View<'_>, f: usize) -> Vec3 {
-        match self {
-            OnFaces::Phi => [view.phi[f], 0.0, 0.0],
-            OnFaces::RhoPhi => [view.mass_flux.map_or(0.0, |m| m[f]), 0.0, 0.0],
-            OnFaces::Of(q) => view.boundary(q, f).unwrap_or([0.0; 3]),
+    fn read(r: &Reader<'_>, span: &Span, name: &str, reading: &Reading<'_>) -> OnFaces {
+        match name {
+            "phi" => OnFaces::Phi,
+            "rhoPhi" => OnFaces::RhoPhi,
+            _ => OnFaces::Of(Named::read(r, span, name, reading).quantity),
         }
     }
+    fn rank(&self) -> Rank {
+        match self {
+            OnFaces::Of(q) => q.rank(),
+            _ => Rank::Scalar,
+        }
+    }
+    fn at(&self, view: &View<'_>, f: usize) -> Components {
+        match self {
+            OnFaces::Phi => components(&[view.phi[f]]),
+            OnFaces::RhoPhi => components(&[view.mass_flux.map_or(0.0, |m| m[f])]),
+            OnFaces::Of(q) => view.on_boundary(*q, f),
+        }
+    }
+}
+
+/// Where values are taken.
+#[derive(Clone)]
+enum Region {
+    Patch(Patches),
+    Cut(CutPlan),
 }
 
 #[derive(Clone)]
 struct SurfaceFieldValue {
-    patch: String,
-    patch_span: Span,
-    operation: Operation,
+    region: Region,
+    /// Its name in the table.
+    name: String,
     fields: Vec<(String, OnFaces)>,
-    fields_span: Span,
+    /// The fields of the flow among them, and the one that weighs.
+    wanted: Wanted,
+    operation: Operation,
+    factor: f64,
 }
 
 impl SurfaceFieldValue {
-    fn read(r: &Reader<'_>) -> Self {
-        for key in ["writeFields", "writeArea", "surfaceFormat"] {
-            r.ignore(key);
+    fn read(r: &Reader<'_>, reading: &Reading<'_>) -> SurfaceFieldValue {
+        r.ignore("surfaceFormat");
+        if r.opt_switch("writeFields", false) && r.opt_word("surfaceFormat", "none") != "none" {
+            let message = "`writeFields` writes no surfaces: the function `surfaces` does";
+            r.warn_at_key("writeFields", message, "not written", None);
         }
-        for (key, plain) in
-            [("weightField", "none"), ("scaleFactor", "1"), ("postOperation", "none")]
-        {
-            if r.raw(key).is_some_and(|t| t.len() != 1 || t[0].describe() != plain) {
-                r.ignore(key);
-                let help = "sum, means, integral and extremes are there";
-                let message = format!("`{key}` is not supported");
-                r.error_at_key(key, message, "set here", Some(help));
-            }
+        let kinds = [
+            ("patch", 0),
+            ("sampledSurface", 1),
+            ("faceZone", 2),
+            ("surface", 2),
+            ("functionObjectSurface", 2),
+        ];
+        let kind = r.one_of("regionType", &kinds);
+        if kind == 2 {
+            let help = "write `regionType patch;` or `regionType sampledSurface;`";
+            let message = "this region is not supported: zones are not read";
+            r.error_at_key("regionType", message, "refused", Some(help));
         }
-        r.one_of("regionType", &[("patch", ())]);
-        let fields_span = r.value_span("fields");
-        let mut fields = Vec::new();
-        for w in r.words("fields") {
-            let alpha = w.starts_with("alpha.").then_some(OnFaces::Of(Quantity::Alpha));
-            let known = OnFaces::ALL.iter().find(|f| f.0 == w).map(|f| f.1);
-            if let Some(field) = alpha.or(known) {
-                fields.push((w.to_owned(), field));
-                continue;
-            }
-            let names = OnFaces::ALL.iter().map(|f| f.0);
-            let near = nearest(w, names.clone());
-            let near = near.map_or(String::new(), |n| format!("did you mean `{n}`? "));
-            let known: Vec<&str> = names.collect();
-            let help = format!("{near}known on patches are {}, alpha", known.join(", "));
-            r.error_at(&fields_span, format!("unknown field `{w}`"), "not known", Some(&help));
-        }
+        let region = match kind {
+            1 => match r.sub("sampledSurfaceDict") {
+                Some(sub) => {
+                    Region::Cut(CutPlan::read(&sub, r.opt_word("name", "surface"), reading))
+                }
+                None => Region::Patch(Patches::or_walls(r, "sampledSurfaceDict")),
+            },
+            _ => Region::Patch(Patches::read(r, "name")),
+        };
+        let span = r.value_span("fields");
+        let names = r.words("fields");
+        let fields: Vec<(String, OnFaces)> = names
+            .into_iter()
+            .map(|w| (w.to_owned(), OnFaces::read(r, &span, w, reading)))
+            .collect();
+        let found = fields.iter().filter_map(|(name, _)| Named::find(name, reading));
+        let mut wanted = Wanted { list: found.collect(), span };
+        let operation = Operation::read(r, OVER_FACES, reading);
+        operation.check(r, &wanted.list);
+        wanted.list.extend(operation.weight.iter().flat_map(|w| w.list.clone()));
         SurfaceFieldValue {
-            patch_span: r.value_span("name"),
-            patch: r.word("name").to_owned(),
-            operation: r.one_of("operation", Operation::ALL),
+            region,
+            name: r.opt_word("name", "surface").to_owned(),
             fields,
-            fields_span,
+            wanted,
+            operation,
+            factor: r.opt_scalar("scaleFactor", Dims::NONE, 1.0),
         }
     }
 }
 
 impl Plan for SurfaceFieldValue {
     fn check(&self, mesh: &Mesh, config: &CaseConfig, sink: &Sink) {
-        if !mesh.patches.iter().any(|p| p.name == self.patch) {
-            let names = mesh.patches.iter().map(|p| p.name.as_str());
-            let known: Vec<&str> = names.clone().collect();
-            let help = nearest(&self.patch, names).map_or_else(
-                || format!("the patches are {}", known.join(", ")),
-                |n| format!("did you mean `{n}`?"),
-            );
-            let message = format!("the mesh has no patch `{}`", self.patch);
-            sink.push(Diag::error(&self.patch_span, message).label("no such patch").help(help));
+        match &self.region {
+            Region::Patch(patches) => {
+                patches.check(mesh, sink);
+                patches.check_open(mesh, sink);
+            }
+            Region::Cut(cut) => cut.check(mesh, config, sink),
         }
-        if mesh.patches.iter().any(|p| p.name == self.patch && p.kind == PatchKind::Empty) {
-            let message = format!("nothing passes patch `{}`: it is empty", self.patch);
-            let help = "choose a patch of the directions that are solved for";
-            sink.push(Diag::error(&self.patch_span, message).label("of type empty").help(help));
-        }
+        self.wanted.check(config, sink);
         for (name, field) in &self.fields {
             let why = match field {
-                OnFaces::RhoPhi | OnFaces::Of(Quantity::Alpha)
-                    if config.transport.second.is_none() =>
-                {
-                    "it has one phase only"
-                }
-                OnFaces::Of(Quantity::PRgh) if config.pressure() == "p" => {
-                    "the case has no gravity: use `p`"
+                OnFaces::RhoPhi if config.transport.second.is_none() => "it has one phase only",
+                OnFaces::Phi | OnFaces::RhoPhi if matches!(self.region, Region::Cut(_)) => {
+                    "fluxes are known on patches: use `areaNormalIntegrate` of `U`"
                 }
                 _ => continue,
             };
-            let message = format!("the case has no field `{name}`");
-            sink.push(Diag::error(&self.fields_span, message).label(why));
+            let message = format!("the case has no field `{name}` there");
+            sink.push(Diag::error(&self.wanted.span, message).label(why));
         }
     }
-    fn build(&self, mesh: &Mesh, _: &Exec) -> Box<dyn Function> {
-        let patch = mesh.patches.iter().position(|p| p.name == self.patch);
-        Box::new(Placed { patch, plan: self.clone() })
+    fn uses(&self) -> Vec<usize> {
+        let mut all = self.wanted.uses();
+        if let Region::Cut(cut) = &self.region {
+            all.extend(cut.uses());
+        }
+        all
+    }
+    fn build(&self, mesh: &Mesh, _: &Exec, _: Option<&Remembered>) -> Box<dyn Function> {
+        let patches = match &self.region {
+            Region::Patch(patches) => patches.indices(mesh),
+            Region::Cut(_) => Vec::new(),
+        };
+        Box::new(Placed { patches, cut: None, plan: self.clone() })
     }
 }
 
 struct Placed {
     plan: SurfaceFieldValue,
-    /// Its index in the mesh.
-    patch: Option<usize>,
+    /// Numbers of the patches in the mesh.
+    patches: Vec<usize>,
+    /// The surface where it was cut last, on the first rank.
+    cut: Option<Cut>,
 }
 
 impl Placed {
-    /// The value of one field over the patch, on all ranks.
-    fn value(&self, view: &View<'_>, field: OnFaces, count: f64, area: f64) -> Vec3 {
-        use Operation::{AreaAverage, AreaIntegrate, Average, Max, Min, Sum, SumMag};
-        let faces = self.patch.map_or(0..0, |i| view.mesh.patches[i].faces.clone());
-        let operation = self.plan.operation;
-        if matches!(operation, Min | Max) {
-            let sign = if operation == Max { 1.0 } else { -1.0 };
-            let mut most = [f64::NEG_INFINITY; 3];
-            for f in faces {
-                let v = field.at(view, f);
-                (0..3).for_each(|k| most[k] = most[k].max(sign * v[k]));
-            }
-            view.exec.comm().max(&mut most);
-            return scale(most, sign);
-        }
-        let mut sum = [0.0; 3];
-        for f in faces {
-            let v = field.at(view, f);
-            sum = add(
-                sum,
-                match operation {
-                    AreaAverage | AreaIntegrate => scale(v, view.mesh.mag_area[f]),
-                    SumMag => v.map(f64::abs),
-                    _ => v,
-                },
-            );
-        }
-        view.exec.comm().sum(&mut sum);
-        match operation {
-            Average => scale(sum, 1.0 / count.max(1.0)),
-            AreaAverage => scale(sum, 1.0 / area.max(f64::MIN_POSITIVE)),
-            Sum | SumMag | AreaIntegrate | Min | Max => sum,
-        }
+    /// The faces of the patches with one field, on this rank.
+    fn on_patches(&self, view: &View<'_>, field: &OnFaces) -> Vec<Element> {
+        let weight = self.plan.operation.weight.as_ref().map(|w| w.list[0].quantity);
+        let faces = self.patches.iter().flat_map(|i| view.mesh.patches[*i].faces.clone());
+        let element = |f: usize| Element {
+            value: field.at(view, f).map(|x| self.plan.factor * x),
+            size: view.mesh.mag_area[f],
+            weight: weight.map_or(1.0, |w| view.on_boundary(w, f)[0]),
+            area: view.mesh.area[f],
+        };
+        faces.map(element).collect()
+    }
+
+    /// The faces of the cut with one field, all of them on the first rank.
+    fn on_cut(&self, view: &View<'_>, field: &OnFaces) -> Vec<Element> {
+        let OnFaces::Of(q) = field else { return Vec::new() };
+        let of = |q: Quantity| {
+            let everywhere = view.everywhere(q);
+            let (Some(everywhere), Some(cut)) = (everywhere, &self.cut) else { return Vec::new() };
+            cut.on_faces(view.grid(), &everywhere)
+        };
+        let weights = self.plan.operation.weight.as_ref().map(|w| of(w.list[0].quantity));
+        let values = of(*q);
+        let Some(cut) = &self.cut else { return Vec::new() };
+        let areas = cut.areas();
+        let element = |(i, area): (usize, [f64; 3])| Element {
+            value: values[i].map(|x| self.plan.factor * x),
+            size: granflow_base::norm(area),
+            weight: weights.as_ref().map_or(1.0, |w| w[i][0]),
+            area,
+        };
+        areas.into_iter().enumerate().map(element).collect()
     }
 }
 
 impl Function for Placed {
     fn needs_derived(&self) -> bool {
-        false
+        self.plan.wanted.derived()
     }
     fn sample(&mut self, view: &View<'_>) -> Vec<Written> {
-        let faces = self.patch.map_or(0..0, |i| view.mesh.patches[i].faces.clone());
-        let mut size = [faces.len() as f64, faces.map(|f| view.mesh.mag_area[f]).sum::<f64>()];
+        if self.plan.operation.idle() {
+            return Vec::new();
+        }
+        let on_patch = matches!(self.plan.region, Region::Patch(_));
+        if let Region::Cut(plan) = &self.plan.region {
+            plan.update(view, &mut self.cut);
+        }
+        let mut values = Vec::new();
+        let mut size = [0.0; 2];
+        for (_, field) in &self.plan.fields {
+            let elements =
+                if on_patch { self.on_patches(view, field) } else { self.on_cut(view, field) };
+            size = [elements.len() as f64, elements.iter().map(|e| e.size).sum()];
+            let rank = field.rank();
+            let v = self.plan.operation.of(view.exec, rank.n(), &elements);
+            values.push(columns::value(self.plan.operation.rank(rank).unwrap_or(rank), &v));
+        }
         view.exec.comm().sum(&mut size);
-        let [count, area] = size;
-        let fields = self.plan.fields.iter();
-        let values: Vec<String> = fields
-            .map(|(_, field)| {
-                let v = self.value(view, *field, count, area);
-                if field.n() == 3 { columns::vector(v) } else { number(v[0]) }
-            })
-            .collect();
         if view.exec.rank() != 0 {
             return Vec::new();
         }
-        let operation = self.plan.operation.name();
-        let names = self.plan.fields.iter().map(|(name, _)| format!("{operation}({name})"));
-        let names: Vec<String> = names.collect();
-        vec![Written::Line {
-            file: "surfaceFieldValue.dat",
-            header: format!(
-                "# Region type : patch {}\n# Faces       : {count}\n# Area        : {}\n# Time\t{}",
-                self.plan.patch,
-                number(area),
-                names.join("\t")
-            ),
-            line: format!("{}\t{}", view.time_name, values.join("\t")),
-        }]
+        let operation = &self.plan.operation;
+        let kind = if on_patch { "patch" } else { "sampledSurface" };
+        let mut header = columns::property("Region type", &format!("{kind} {}", self.plan.name));
+        header += &columns::property("Faces", &number(size[0]));
+        header += &columns::property("Area", &number(size[1]));
+        header += &columns::property("Scale factor", &number(self.plan.factor));
+        if let Some(w) = &operation.weight {
+            header += &columns::property("Weight field", &w.list[0].name);
+        }
+        let heads = self.plan.fields.iter().map(|(name, _)| format!("{}({name})", operation.name));
+        header += &columns::head(&heads.collect::<Vec<_>>());
+        let line = columns::row(view, &values);
+        vec![Written::Line { file: "surfaceFieldValue.dat".into(), header, line }]
     }
 }

@@ -5,6 +5,18 @@ use granflow_base::{Vec3, add, norm, scale, sub};
 use granflow_dict::Reader;
 use granflow_mesh::Mesh;
 
+/// Kinds of set in OpenFOAM that are refused by name.
+const REFUSED: &[&str] = &[
+    "array",
+    "cellCentre",
+    "circle",
+    "patchCloud",
+    "patchEdge",
+    "patchSeed",
+    "shortestPath",
+    "triSurfaceMeshPointSet",
+];
+
 /// How the points of a line are chosen.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Points {
@@ -72,7 +84,16 @@ impl Line {
             ("lineCellFace", Kind::Both),
             ("cloud", Kind::Given),
             ("points", Kind::Given),
+            ("polyLine", Kind::Given),
         ];
+        if let Some(word) = kind.and_then(|key| r.maybe_word(key)).filter(|w| REFUSED.contains(w)) {
+            let known: Vec<&str> = kinds.iter().map(|k| k.0).collect();
+            let message = format!("sets of type `{word}` are not supported");
+            let help = format!("one of {}", known.join(", "));
+            r.error_at_key("type", message, "refused", Some(&help));
+            r.ignore_all();
+            return Line::idle(name);
+        }
         let kind = match kind {
             Some(key) => r.one_of(key, &kinds),
             None if r.has("nPoints") => Kind::Uniform,
@@ -93,13 +114,7 @@ impl Line {
         if kind != Kind::Uniform {
             r.ignore("nPoints");
         }
-        let mut line = Line {
-            name: name.into(),
-            points: Points::Middles,
-            axis,
-            start: [0.0; 3],
-            end: [0.0; 3],
-        };
+        let mut line = Line { axis, ..Line::idle(name) };
         if kind == Kind::Given {
             line.points = Points::Given(r.vectors("points"));
             return line;
@@ -118,6 +133,16 @@ impl Line {
             Kind::Middles | Kind::Given => Points::Middles,
         };
         line
+    }
+
+    pub(super) fn idle(name: &str) -> Line {
+        Line {
+            name: name.into(),
+            points: Points::Middles,
+            axis: Axis::Distance,
+            start: [0.0; 3],
+            end: [0.0; 3],
+        }
     }
 
     /// The points that lie in cells of `mesh`, in order.
@@ -168,9 +193,11 @@ impl Line {
         }
     }
 
-    /// The axis' columns at `x`.
-    pub(super) fn along(&self, x: Vec3) -> Vec<f64> {
+    /// The axis' columns at `x`, which is at `t` of the line.
+    pub(super) fn along(&self, t: f64, x: Vec3) -> Vec<f64> {
         match self.axis {
+            // Of points given one by one, as OpenFOAM does: their number.
+            Axis::Distance if matches!(self.points, Points::Given(_)) => vec![t],
             Axis::Distance => vec![norm(sub(x, self.start))],
             Axis::Coordinate(k) => vec![x[k]],
             Axis::Xyz => x.to_vec(),

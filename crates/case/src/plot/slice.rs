@@ -39,6 +39,8 @@ pub struct SliceFigure {
     pub lines: Vec<Polyline>,
     /// Arrows, if any.
     pub arrows: Option<Arrows>,
+    /// Stream lines, each in the direction of the flow.
+    pub streams: Vec<Polyline>,
 }
 
 /// Most a frame takes of the page.
@@ -181,6 +183,26 @@ impl<'a> Layout<'a> {
         if let Some(arrows) = &figure.arrows {
             self.draw_arrows(canvas, arrows);
         }
+        for line in figure.streams.iter().flat_map(|p| self.visible(p)) {
+            self.draw_stream(canvas, line);
+        }
+    }
+
+    /// A stream line with a head in its middle.
+    fn draw_stream(&self, canvas: &mut Canvas, line: Vec<Point>) {
+        let middle = line.len() / 2;
+        let head = line.get(middle.saturating_sub(3)).zip(line.get(middle));
+        if let Some((from, tip)) = head {
+            let (dx, dy) = (tip.0 - from.0, tip.1 - from.1);
+            let length = dx.hypot(dy);
+            if length > 1.0 {
+                // As long as the head of the longest arrow.
+                let stretch = 17.5 / length;
+                let from = (tip.0 - stretch * dx, tip.1 - stretch * dy);
+                wings(canvas, from, *tip);
+            }
+        }
+        canvas.line_over(line, INK, 1.0);
     }
 
     fn draw_arrows(&self, canvas: &mut Canvas, all: &Arrows) {
@@ -240,12 +262,19 @@ fn draw_arrow(canvas: &mut Canvas, from: Point, tip: Point) {
     if length < 1.0 {
         return;
     }
+    canvas.line_over(vec![from, tip], INK, 1.2);
+    wings(canvas, from, tip);
+}
+
+/// The head of an arrow.
+fn wings(canvas: &mut Canvas, from: Point, tip: Point) {
+    let (dx, dy) = (tip.0 - from.0, tip.1 - from.1);
+    let length = dx.hypot(dy);
     let (ex, ey) = (dx / length, dy / length);
     let head = (0.4 * length).min(7.0);
     let wing = |side: f64| {
         (tip.0 - head * ex + side * 0.45 * head * ey, tip.1 - head * ey - side * 0.45 * head * ex)
     };
-    canvas.line_over(vec![from, tip], INK, 1.2);
     canvas.line_over(vec![wing(1.0), tip, wing(-1.0)], INK, 1.2);
 }
 

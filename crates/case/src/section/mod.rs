@@ -9,8 +9,8 @@ mod twins;
 
 pub(crate) use chain::{chain, level_segments};
 pub(crate) use nodes::{Grid, Samples};
-pub(crate) use plane::{Polygon, cut};
-pub(crate) use surface::{edges, iso, outside, with_centres};
+pub(crate) use plane::{OnEdge, Polygon, cut};
+pub(crate) use surface::{edges, iso, iso_triangles, outside, with_centres};
 
 use granflow_base::{Vec3, add, scale};
 

@@ -74,11 +74,45 @@ pub(crate) fn iso(
     slot: usize,
     level: f64,
 ) -> Vec<Piece> {
-    let poly = &grid.poly;
     let all = corners(grid, values);
     let over = |i: usize| all[i].v[slot] - level;
+    let nodes: Vec<f64> = all.iter().map(|c| c.v[slot]).collect();
+    let triangles = iso_triangles(grid, &nodes, level);
+    // Where the surface passes through a node, all edges from there share their corner.
+    let key = |(i, j): (usize, usize)| if over(i) == 0.0 { (i, i) } else { (i, j) };
+    let place = |(i, j): (usize, usize)| match key((i, j)) {
+        (i, k) if i == k => all[i],
+        _ => all[i].towards(&all[j], over(i) / (over(i) - over(j))),
+    };
+    let mut normals: HashMap<(usize, usize), Vec3> = HashMap::new();
+    for (_, t) in &triangles {
+        let c = t.map(place);
+        let n = cross(sub(c[1].at, c[0].at), sub(c[2].at, c[0].at));
+        // Away from the greater values.
+        let away = dot(n, sub(all[t[0].1].at, all[t[0].0].at));
+        let n = if away < 0.0 { scale(n, -1.0) } else { n };
+        for e in t {
+            let sum = normals.entry(key(*e)).or_default();
+            *sum = add(*sum, n);
+        }
+    }
+    let with = |e: (usize, usize)| {
+        let mut c = place(e);
+        let n = normals.get(&key(e)).copied().unwrap_or_default();
+        c.v[VECTOR..VECTOR + 3].copy_from_slice(&n);
+        c
+    };
+    triangles.into_iter().map(|(cell, t)| Piece { cell, corners: t.map(with) }).collect()
+}
+
+/// The triangles of the surface on which the values at the nodes are `level`: the cell of each, and for each
+/// corner the nodes on either side, the one with the greater value first. `nodes` is what
+/// [`with_centres`] made.
+pub(crate) fn iso_triangles(grid: &Grid, nodes: &[f64], level: f64) -> Vec<Triangle> {
+    let poly = &grid.poly;
+    let over = |i: usize| nodes[i] - level;
     let (start, faces) = &grid.cell_faces;
-    let mut triangles: Vec<(usize, [(usize, usize); 3])> = Vec::new();
+    let mut triangles: Vec<Triangle> = Vec::new();
     for cell in 0..poly.n_cells() {
         let own = &faces[start[cell] as usize..start[cell + 1] as usize];
         let points = || own.iter().flat_map(|f| poly.face(*f as usize >> 1));
@@ -107,36 +141,17 @@ pub(crate) fn iso(
             }
         }
     }
-    // Where the surface passes through a node, all edges from there share their corner.
+    // Where the surface passes through a node, triangles may shrink to nothing.
     let key = |(i, j): (usize, usize)| if over(i) == 0.0 { (i, i) } else { (i, j) };
-    let place = |(i, j): (usize, usize)| match key((i, j)) {
-        (i, k) if i == k => all[i],
-        _ => all[i].towards(&all[j], over(i) / (over(i) - over(j))),
-    };
     triangles.retain(|(_, t)| {
         let [a, b, c] = t.map(key);
         a != b && b != c && c != a
     });
-    let mut normals: HashMap<(usize, usize), Vec3> = HashMap::new();
-    for (_, t) in &triangles {
-        let c = t.map(place);
-        let n = cross(sub(c[1].at, c[0].at), sub(c[2].at, c[0].at));
-        // Away from the greater values.
-        let away = dot(n, sub(all[t[0].1].at, all[t[0].0].at));
-        let n = if away < 0.0 { scale(n, -1.0) } else { n };
-        for e in t {
-            let sum = normals.entry(key(*e)).or_default();
-            *sum = add(*sum, n);
-        }
-    }
-    let with = |e: (usize, usize)| {
-        let mut c = place(e);
-        let n = normals.get(&key(e)).copied().unwrap_or_default();
-        c.v[VECTOR..VECTOR + 3].copy_from_slice(&n);
-        c
-    };
-    triangles.into_iter().map(|(cell, t)| Piece { cell, corners: t.map(with) }).collect()
+    triangles
 }
+
+/// A cell, and for each corner the nodes on either side.
+pub(crate) type Triangle = (usize, [(usize, usize); 3]);
 
 /// Edges where boundary faces meet at more than 30 degrees, or where the shown part ends.
 pub(crate) fn edges(grid: &Grid, keep: &[bool]) -> Vec<(Vec3, Vec3)> {

@@ -142,3 +142,35 @@ pub fn assert_same(a: &Path, b: &Path, time: &str) {
     }
     assert_eq!(read(a, &format!("{time}/uniform/time")), read(b, &format!("{time}/uniform/time")));
 }
+
+/// Height of the gap of [`couette`], m.
+pub const H: f64 = 0.2;
+
+/// Plane Couette flow, periodic along x: U = y/h (1 0 0), traction eta/h.
+pub fn couette(functions: &str) -> tempfile::TempDir {
+    use PatchKind::{Empty, Wall};
+    let [x0, x1, ..] = shapes::periodic_kinds([true, false, false], Wall);
+    let poly =
+        shapes::box_mesh([3, 8, 1], [0.0; 3], [0.3, H, 0.1], [x0, x1, Wall, Wall, Empty, Empty]);
+    case(
+        &[
+            (
+                "system/controlDict",
+                &format!("endTime 3000; deltaT 1000; functions {{ {functions} }}"),
+            ),
+            ("constant/transportProperties", "transportModel Newtonian; nu 0.02; rho 50;"),
+            (
+                "0/U",
+                "dimensions [0 1 -1 0 0 0 0]; internalField uniform (0 0 0); boundaryField {
+                 yMax { type fixedValue; value uniform (1 0 0); } yMin { type noSlip; }
+                 \"x.*\" { type cyclic; } \"z.*\" { type empty; } }",
+            ),
+            (
+                "0/p",
+                "dimensions [1 -1 -2 0 0 0 0]; internalField uniform 0; boundaryField {
+                 \"y.*\" { type zeroGradient; } \"x.*\" { type cyclic; } \"z.*\" { type empty; } }",
+            ),
+        ],
+        Some(&poly),
+    )
+}

@@ -11,6 +11,7 @@ use crate::tally::{Tally, pulled_apart};
 use crate::text::{count, rounded, shown};
 use granflow_case::store::{CaseLock, Stale, clean_stale};
 use granflow_case::{Case, End, Event, From, Options, Run, SetAside};
+use granflow_dict::Sink;
 use granflow_mesh::check::check;
 use std::time::Instant;
 
@@ -74,6 +75,11 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
             Err(e) => {
                 progress.close();
                 tally.say_where(session, root);
+                // What was computed until then is worth a look; what keeps a figure from being drawn
+                // is not what the run failed of.
+                for file in run.finish(&Sink::new()).unwrap_or_default() {
+                    session.out.say(&format!("figure   {}", shown(&file)));
+                }
                 return Err(e.into());
             }
         }

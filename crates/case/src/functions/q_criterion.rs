@@ -1,0 +1,36 @@
+//! The second invariant of the velocity gradient: positive where a vortex turns faster than the flow
+//! is strained.
+
+use super::derived_field::{DerivedField, result};
+use super::field::{components, double_dot_transposed};
+use super::gradient::RATE;
+use super::quantity::Wanted;
+use super::schedule::{Every, Schedule};
+use super::{Entry, Info, Rank, Values, View};
+
+pub(super) const ENTRY: Entry = Entry {
+    name: "Q",
+    summary: "the field `Q`: second invariant of the velocity gradient, 1/s2",
+    reference: "J. C. R. Hunt, A. A. Wray, P. Moin, CTR-S88 (1988) 193",
+    read: |r, _| {
+        Box::new(DerivedField {
+            makes: vec![Info {
+                name: result(r, "Q"),
+                rank: Rank::Scalar,
+                unit: RATE.times(RATE),
+                on_faces: false,
+            }],
+            of: Wanted::velocity(r),
+            derived: true,
+            compute,
+        })
+    },
+    schedule: Schedule::always(Every::Writes(1)),
+};
+
+fn compute(_: &Wanted, view: &View<'_>, out: &mut [Values]) {
+    for (c, g) in view.derived.gradient_u.iter().enumerate().take(view.mesh.n_cells) {
+        let trace = g[0] + g[4] + g[8];
+        out[0].set_cell(c, &components(&[0.5 * (trace * trace - double_dot_transposed(g))]));
+    }
+}

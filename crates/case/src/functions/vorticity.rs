@@ -1,0 +1,35 @@
+//! The curl of the velocity.
+
+use super::derived_field::{DerivedField, result};
+use super::field::components;
+use super::gradient::RATE;
+use super::quantity::Wanted;
+use super::schedule::{Every, Schedule};
+use super::{Entry, Info, Rank, Values, View};
+
+pub(super) const ENTRY: Entry = Entry {
+    name: "vorticity",
+    summary: "the field `vorticity`: the curl of the velocity, 1/s",
+    reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, ch. 2",
+    read: |r, _| {
+        Box::new(DerivedField {
+            makes: vec![Info {
+                name: result(r, "vorticity"),
+                rank: Rank::Vector,
+                unit: RATE,
+                on_faces: false,
+            }],
+            of: Wanted::velocity(r),
+            derived: true,
+            compute,
+        })
+    },
+    schedule: Schedule::always(Every::Writes(1)),
+};
+
+fn compute(_: &Wanted, view: &View<'_>, out: &mut [Values]) {
+    for (c, g) in view.derived.gradient_u.iter().enumerate().take(view.mesh.n_cells) {
+        // g[3 i + j] = d_i U_j.
+        out[0].set_cell(c, &components(&[g[5] - g[7], g[6] - g[2], g[1] - g[3]]));
+    }
+}

@@ -1,0 +1,94 @@
+//! When functions act, and what they add to a time directory.
+
+use super::Run;
+use crate::CaseError;
+use crate::functions::schedule::Moment;
+use crate::functions::{Planned, Written};
+use crate::output::MadeFields;
+use crate::worker::{Answer, Order};
+
+impl Run {
+    /// Lets the functions act that are due.
+    pub(super) fn functions(&mut self, moment: &Moment) -> Result<(), CaseError> {
+        let case = self.case.clone();
+        let plans = &case.config.functions;
+        let due: Vec<bool> = plans.iter().map(|f| f.schedule.due(moment)).collect();
+        let needed: Vec<bool> =
+            plans.iter().zip(&due).map(|(f, due)| *due || f.plan.remembers()).collect();
+        let mut fresh = false;
+        self.make_fields(needed, &mut fresh)?;
+        for i in (0..plans.len()).filter(|i| due[*i]) {
+            self.derive_for(i, &mut fresh)?;
+            let written: Vec<Written> = match self.crew.worker.order(Order::Sample(i)) {
+                Ok(Answer::Sampled(w)) => w,
+                _ => Vec::new(),
+            };
+            let inside = plans[i].plan.folder().map_or(String::new(), |f| format!("{f}/"));
+            let folder = format!("{inside}{}", plans[i].name);
+            self.tables.put(&folder, &self.crew.worker.time_name, written)?;
+        }
+        Ok(())
+    }
+
+    /// Lets the `needed` functions, and those whose fields they look at, make theirs.
+    fn make_fields(&mut self, mut needed: Vec<bool>, fresh: &mut bool) -> Result<(), CaseError> {
+        let case = self.case.clone();
+        let plans = &case.config.functions;
+        // What a function looks at was made before it.
+        for i in (0..plans.len()).rev() {
+            if needed[i] {
+                plans[i].plan.uses().into_iter().for_each(|used| needed[used] = true);
+            }
+        }
+        for i in (0..plans.len()).filter(|i| needed[*i] && !plans[*i].plan.makes().is_empty()) {
+            self.derive_for(i, fresh)?;
+            let _ = self.crew.worker.order(Order::Make(i));
+        }
+        Ok(())
+    }
+
+    /// Computes what follows from the state, once, if function `i` needs it.
+    fn derive_for(&mut self, i: usize, fresh: &mut bool) -> Result<(), CaseError> {
+        if !*fresh && self.crew.worker.needs_derived(i) {
+            if let Err(e) = self.crew.worker.order(Order::Derive) {
+                return Err(CaseError::Step { source: e, kept: None });
+            }
+            *fresh = true;
+        }
+        Ok(())
+    }
+
+    /// The fields that functions add to the present time; without what follows from the state
+    /// (`derived`) those that remember earlier steps.
+    pub(super) fn made_fields(&mut self, derived: bool) -> MadeFields {
+        let case = self.case.clone();
+        let plans = &case.config.functions;
+        let moment = self.moment;
+        // A write that nobody planned has them all.
+        let wanted = |f: &Planned| {
+            let now = moment.is_none_or(|m| f.schedule.with_times(&m));
+            !f.plan.makes().is_empty() && if derived { now } else { f.plan.remembers() }
+        };
+        let makers: Vec<bool> = plans.iter().map(wanted).collect();
+        let mut out = MadeFields::default();
+        if derived && self.make_fields(makers.clone(), &mut true).is_err() {
+            return out;
+        }
+        for (i, f) in plans.iter().enumerate().filter(|(i, _)| makers[*i]) {
+            if !self.crew.worker.has_fields(i) {
+                continue;
+            }
+            for (slot, info) in f.plan.makes().into_iter().enumerate() {
+                if let Ok(Answer::Field(whole)) = self.crew.worker.order(Order::Field(i, slot)) {
+                    out.fields.push((info, whole));
+                }
+            }
+            let memory = self.crew.worker.memory(i);
+            if !memory.is_empty() {
+                out.memories.push((f.name.clone(), memory));
+            }
+            let _ = self.crew.worker.order(Order::Written(i));
+        }
+        out
+    }
+}
