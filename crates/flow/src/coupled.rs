@@ -30,6 +30,9 @@ const PRESSURE: Tolerance = Tolerance { abs: 0.0, rel: 0.05, max_iter: 50 };
 const TIGHTEN: f64 = 0.1;
 const HARDLY: f64 = 0.3;
 const TIGHTEST: f64 = 1e-6;
+/// Directions of a cycle where nothing speaks for more, and cells times directions that a gigabyte holds.
+const FEW: usize = 24;
+const HELD: f64 = 1.6e7;
 /// Momentum residual from which on Newton's method is tried, and share of that of a failed pass.
 const NEAR: f64 = 0.05;
 const FARTHER: f64 = 0.1;
@@ -151,10 +154,13 @@ impl Coupled {
     }
     /// Allocates the directions, once: they are most of a flow's memory, and a flow that takes
     /// single passes never needs them.
-    fn reserve(&mut self, m: &Mesh) {
-        if self.basis.is_empty() {
-            self.basis.extend((0..=DIRECTIONS).map(|_| Pair::new(m.n_all())));
-            self.directions.extend((0..DIRECTIONS).map(|_| Pair::new(m.n_all())));
+    fn reserve(&mut self, m: &Mesh, directions: usize) {
+        while self.directions.len() < directions {
+            self.basis.push(Pair::new(m.n_all()));
+            self.directions.push(Pair::new(m.n_all()));
+        }
+        if self.basis.len() == self.directions.len() {
+            self.basis.push(Pair::new(m.n_all()));
         }
     }
     /// To be called as a step begins: nothing is carried over from the one before.
@@ -182,7 +188,8 @@ impl Flow {
         dt: f64,
         reduction: f64,
     ) -> Result<[Solved; 2], StepError> {
-        self.work.coupled.reserve(&self.mesh);
+        let directions = self.directions();
+        self.work.coupled.reserve(&self.mesh, directions);
         self.work.friction.remember(&self.mesh, &self.state.u);
         self.update_mobility(dt);
         self.interpolate_flux_of_state(dt);
@@ -197,7 +204,7 @@ impl Flow {
         }
         self.work.coupled.basis[0].scale(&self.exec, n, 1.0 / size);
         let mut small = Hessenberg::new(size);
-        for j in 0..DIRECTIONS {
+        for j in 0..directions {
             let Some(solved) = self.precondition(j, scales)? else { break };
             done[0].iterations += solved[0];
             done[1].iterations += solved[1];
@@ -232,6 +239,17 @@ impl Flow {
         self.interpolate_flux_of_state(dt);
         done.iter_mut().for_each(|d| d.last = small.residual());
         Ok(done)
+    }
+
+    /// Most directions of a cycle. What is carried through many cells takes more than what diffuses, as many
+    /// as a gigabyte holds.
+    fn directions(&self) -> usize {
+        if !self.carrier_may_follow() {
+            return FEW;
+        }
+        let mut cells = [self.mesh.n_cells as f64];
+        self.exec.comm().sum(&mut cells);
+        ((HELD / cells[0]) as usize).clamp(FEW, DIRECTIONS)
     }
 
     /// Norm of what momentum and continuity lack, in the units of the last pass; the residuals

@@ -2,8 +2,8 @@
 //! Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856): a Hessenberg matrix that rotations make
 //! triangular as it grows.
 
-/// Directions before a restart.
-pub(crate) const DIRECTIONS: usize = 24;
+/// Most directions before a restart.
+pub(crate) const DIRECTIONS: usize = 80;
 
 /// The Hessenberg matrix, its rotations and the right-hand side they turn.
 pub(crate) struct Hessenberg {

@@ -274,7 +274,7 @@ impl Flow {
     }
 
     /// Whether passes are there because the flow carries itself: a steady state at constant viscosity.
-    fn carrier_may_follow(&self) -> bool {
+    pub(crate) fn carrier_may_follow(&self) -> bool {
         self.numerics.ddt == TimeScheme::Steady
             && self.two_phase.is_none()
             && self.fluid.rheology.is_constant()
