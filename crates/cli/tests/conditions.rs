@@ -43,7 +43,7 @@ fn functions_of_time_go_on_where_they_were() {
 }
 
 #[test]
-fn values_from_files_go_on_and_are_cut_to_ranks() {
+fn values_from_files_go_on_where_they_were() {
     let lid = "type timeVaryingMappedFixedValue; setAverage off; offset (1 0 0);";
     let make = || {
         let case = cavity().edit("0/U", LID, lid);
