@@ -80,6 +80,7 @@ impl Parser<'_> {
         self.entries(&mut Cursor::new(&src), None);
         self.open_files.pop();
         let Some(mut scope) = self.scopes.pop() else { return };
+        scope.dict.remove("FoamFile");
         set_arguments(&mut scope.dict, arguments, &at);
         let key = Key::Word(whole.split_whitespace().collect());
         self.add(Entry::new(key, at, Value::Dict(scope.dict)));

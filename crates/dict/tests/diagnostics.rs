@@ -261,14 +261,6 @@ fn what_granflow_refuses_it_refuses_by_name() {
       | ^^^^^^^ not known
       |
       = help: did you mean `#include`?
-
-    error: `#includeFunc mag(U)` is not available
-     --> system/test:4:1
-      |
-    4 | #includeFunc mag(U)
-      | ^^^^^^^^^^^^^^^^^^^ refused
-      |
-      = help: granflow does not read OpenFOAM's packaged functions, only files in the case's `system`; write the dictionary `mag` { type ...; } in full
     "##);
 }
 

@@ -229,9 +229,9 @@ fn a_step_that_finds_nothing_is_taken_back_whole() {
     found(&mut flow, "before");
     let before = state(&flow);
     let lid = flow.mesh.patches.iter().position(|p| p.name == "yMax").expect("the lid");
-    flow.state.u.conditions[lid] = fixed([10.0, 0.0, 0.0]);
-    flow.numerics.outer = 4;
-    let e = flow.step(1.0).expect_err("four passes are too few");
+    flow.state.u.conditions[lid] = fixed([1000.0, 0.0, 0.0]);
+    flow.numerics.outer = 1;
+    let e = flow.step(1.0).expect_err("one pass is too few");
     println!("{e}");
     assert!(matches!(e, StepError::NoSteadyState { .. }), "{e}");
     flow.rollback();

@@ -2,7 +2,7 @@
 //!
 //! A scheme gives every inner face the weight of its owner (implicit, so that `linear` is truly
 //! central) and, where it reads gradients or goes to the centre of a skewed face, an explicit
-//! correction. Limited schemes have none: their value lies between those of the cells.
+//! correction.
 
 use crate::operators::skew_part;
 use crate::{Differentiable, FaceField, Limiter, LimiterKind, LimiterVisitor, Unknown};
@@ -258,8 +258,10 @@ struct Weigh<'a, T: Differentiable> {
 impl<T: Differentiable> LimiterVisitor for Weigh<'_, T> {
     type Out = ();
     /// `w = psi(r) w_linear + (1 - psi(r)) w_upwind`, with
-    /// `r = 2 d.grad(phi)_C / (phi_D - phi_C) - 1` (Darwish & Moukalled 2003). Vectors are limited
-    /// along the direction of their own change over the face.
+    /// `r = 2 d.grad(phi)_C / (phi_D - phi_C) - 1` (Darwish & Moukalled 2003). On skewed faces both are
+    /// taken to the face's centre: where cells hardly differ, what the face has beside the line between them is
+    /// limited as well, or the flux would jump with `r`. Vectors are limited along the direction of their own
+    /// change over the face.
     fn with<L: Limiter>(self, limiter: L) {
         let Weigh { exec, mesh, phi, gradient, flux, weights, correction } = self;
         let phi = &phi.cells.data;
@@ -272,8 +274,15 @@ impl<T: Differentiable> LimiterVisitor for Weigh<'_, T> {
             } else {
                 (n, 0.0, phi[o].minus(phi[n]), scale(mesh.delta[f], -1.0))
             };
-            let size = change.inner(change);
-            let ahead = change.inner(T::along(gradient[c], d));
+            let (change, half) = if skewed {
+                // What central differences and the cell's gradient say of the face itself.
+                let part = (mesh.weight[f] - upwind).abs();
+                let change = change.scaled(part).plus(skew_part::<T>(mesh, gradient, f));
+                (change, extrapolated::<T>(mesh, gradient, f, flux[f] >= 0.0))
+            } else {
+                (change, T::along(gradient[c], d))
+            };
+            let (size, ahead) = (change.inner(change), change.inner(half));
             let r = if size > f64::MIN_POSITIVE { 2.0 * ahead / size - 1.0 } else { 1.0 };
             (limiter.psi(r), upwind)
         };
@@ -287,7 +296,7 @@ impl<T: Differentiable> LimiterVisitor for Weigh<'_, T> {
             exec.for_each(&mut correction.data[..mesh.n_inner], |k, out| {
                 for (i, c) in out.iter_mut().enumerate() {
                     let (psi, f) = (share(k + i).0, k + i);
-                    *c = skew_part::<T>(mesh, gradient, f).scaled(psi.min(1.0) * flux[f]);
+                    *c = skew_part::<T>(mesh, gradient, f).scaled(psi * flux[f]);
                 }
             });
         }

@@ -208,6 +208,6 @@ mod tests {
         assert!(text.contains("`codedFixedValue` is not supported"), "{text}");
         assert!(text.contains("compiled") && text.contains("uniformFixedValue"), "{text}");
         assert!(said("nutkRoughWallFunction").contains("turbulence"));
-        assert!(said("symmetry").contains("give the patch this type"));
+        assert!(said("symmetry").contains("give the patch the type"));
     }
 }
