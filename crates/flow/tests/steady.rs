@@ -149,6 +149,10 @@ fn cavity(n: usize, nu: f64, lid: f64) -> Flow {
     let poly = shapes::box_mesh([n, n, 1], [0.0; 3], [1.0, 1.0, 1.0 / n as f64], kinds);
     let mut s = Setup::new(&poly, steady(150));
     s.numerics.convection = Convection::Linear;
+    // As a case has it.
+    s.numerics.u = solve("GAMG", "none");
+    s.numerics.p = solve("GAMG", "none");
+    s.numerics.compression = solver("GAMG", "none");
     s.rho = 1.0;
     let velocity = |patch: &str| fixed([if patch == "yMax" { lid } else { 0.0 }, 0.0, 0.0]);
     s.flow(local(Newtonian { eta: nu }), velocity, |_| free())
@@ -167,6 +171,54 @@ fn a_cavity_with_inertia() {
         let ours = (0..m.n_cells).filter(beside).map(|c| u[c][0]).fold(0.0, f64::min);
         println!("least U_x {ours}, Ghia {least}");
         assert!((ours / least - 1.0).abs() < 0.03, "{ours} {least}");
+    }
+}
+
+/// U. Ghia, K. N. Ghia, C. T. Shin, J. Comput. Phys. 48 (1982) 387, table I: y, and U_x on the vertical
+/// centre line at Re 100, 400 and 1000.
+const GHIA: [[f64; 4]; 15] = [
+    [0.9766, 0.84123, 0.75837, 0.65928],
+    [0.9688, 0.78871, 0.68439, 0.57492],
+    [0.9609, 0.73722, 0.61756, 0.51117],
+    [0.9531, 0.68717, 0.55892, 0.46604],
+    [0.8516, 0.23151, 0.29093, 0.33304],
+    [0.7344, 0.00332, 0.16256, 0.18719],
+    [0.6172, -0.13641, 0.02135, 0.05702],
+    [0.5000, -0.20581, -0.11477, -0.06080],
+    [0.4531, -0.21090, -0.17119, -0.10648],
+    [0.2813, -0.15662, -0.32726, -0.27805],
+    [0.1719, -0.10150, -0.24299, -0.38289],
+    [0.1016, -0.06434, -0.14612, -0.29730],
+    [0.0703, -0.04775, -0.10338, -0.22220],
+    [0.0625, -0.04192, -0.09266, -0.20196],
+    [0.0547, -0.03717, -0.08186, -0.18109],
+];
+
+/// Within 0.5 % of the lid's speed on 128 x 128 cells.
+#[test]
+fn a_cavity_meets_ghia_on_128_cells() {
+    let n = 128;
+    for (k, re) in [(1, 100.0), (2, 400.0), (3, 1000.0)] {
+        let mut flow = cavity(n, 1.0 / re, 1.0);
+        found(&mut flow, &format!("cavity, Re {re}, {n} cells"));
+        let (m, u) = (&flow.mesh, &flow.state.u.cells.data);
+        // The two columns of cells beside the middle.
+        let mut line = vec![0.0; n];
+        for c in (0..m.n_cells).filter(|c| (m.cell_centre[*c][0] - 0.5).abs() < 0.6 / n as f64) {
+            line[(m.cell_centre[c][1] * n as f64) as usize] += 0.5 * u[c][0];
+        }
+        let at = |y: f64| {
+            let x = y * n as f64 - 0.5;
+            let first = (x as usize).saturating_sub(1).min(n - 4);
+            let weight = |i: usize| -> f64 {
+                let others = (0..4).filter(|j| *j != i);
+                others.map(|j| (x - (first + j) as f64) / (i as f64 - j as f64)).product()
+            };
+            (0..4).map(|i| weight(i) * line[first + i]).sum::<f64>()
+        };
+        let off = GHIA.iter().map(|row| (at(row[0]) - row[k]).abs()).fold(0.0, f64::max);
+        println!("Re {re}: at most {off:.4} of the lid's speed from Ghia et al.");
+        assert!(off < 5e-3, "Re {re}: {off}");
     }
 }
 
