@@ -190,6 +190,7 @@ bad! {
     unknown_reconstruction: dam().edit(SOLUTION, "nAlphaCorr      2;", "reconstructionScheme plicRdf; nAlphaCorr 0;");
     set_flow_that_is_solved: dam().edit(CONTROL, "type            phase;", "type setFlow; mode vortex2d;");
     turbulence: cavity().write("constant/turbulenceProperties", "simulationType RAS; RAS { RASModel kEpsilon; }");
+    viscoelastic: cavity().write("constant/turbulenceProperties", "simulationType laminar; laminar { laminarModel Maxwell; MaxwellCoeffs { nuM 1; } }");
     moving_mesh: cavity().write("constant/dynamicMeshDict", "dynamicFvMesh dynamicMotionSolverFvMesh;");
     source_terms: cavity().write("constant/fvOptions", "heat { type scalarSemiImplicitSource; active yes; }");
 }

@@ -36,6 +36,7 @@ struct Snapshot {
     /// Velocity and flux one step earlier, and the length of that step.
     older: (Vec<granflow_base::Vec3>, Vec<f64>, f64),
     clock: (f64, usize),
+    sources: Vec<crate::Source>,
 }
 
 impl Flow {
@@ -217,11 +218,13 @@ impl Flow {
             field: self.fluid.rheology.field().map(|f| f.data.clone()),
             older: (s.u_old.clone(), s.phi_old.clone(), s.dt_old),
             clock: (s.time, s.step),
+            sources: self.sources.clone(),
         }
     }
 
     fn restore(&mut self, to: &Snapshot) {
         self.rollback();
+        self.sources.clone_from(&to.sources);
         let s = &mut self.state;
         s.u.cells.data.copy_from_slice(&to.u);
         s.p.cells.data.copy_from_slice(&to.p);
@@ -245,6 +248,7 @@ impl Flow {
         w.p_start.copy_from_slice(&before.p);
         w.phi_start.copy_from_slice(&before.phi);
         w.clock_start = before.clock;
+        self.remember_sources(&before.sources);
     }
 }
 

@@ -14,6 +14,20 @@ const SOURCES: &[(&str, &str)] = &[
     ("constant/SRFProperties", "rotating frames (SRF)"),
 ];
 
+/// Of laminar models only the plain one: viscosity is the business of `transportProperties`.
+fn refuse_laminar_model(r: &Reader<'_>) {
+    let Some(laminar) = r.entry("laminar").and_then(|_| r.opt_sub("laminar")) else { return };
+    let key = if laminar.has("laminarModel") { "laminarModel" } else { "model" };
+    let model = laminar.opt_word(key, "Stokes");
+    if !matches!(model, "Stokes" | "Newtonian") {
+        let help =
+            "write `laminarModel Stokes;`; fluids whose viscosity varies are a `transportModel`";
+        let message = format!("the laminar model `{model}` is not supported");
+        laminar.error_at_key(key, message, "only `Stokes`", Some(help));
+    }
+    laminar.ignore_all();
+}
+
 /// Refuses turbulence, moving meshes and source terms.
 ///
 /// # Errors
@@ -31,6 +45,7 @@ pub(super) fn refuse(root: &Path, sink: &Sink) -> Result<(), CaseError> {
                 Some("write `simulationType laminar;`"),
             );
         }
+        refuse_laminar_model(&r);
     }
     if let Some(dict) = files::dict(root, "constant/dynamicMeshDict", sink)? {
         let r = Reader::new(&dict, sink);

@@ -91,7 +91,7 @@ impl SurfaceFieldValue {
         let kind = r.one_of("regionType", &kinds);
         if kind == 2 {
             let help = "write `regionType patch;` or `regionType sampledSurface;`";
-            let message = "this region is not supported: zones are not read";
+            let message = "this region is not supported: zones are for `fvOptions` only";
             r.error_at_key("regionType", message, "refused", Some(help));
         }
         let region = match kind {

@@ -32,7 +32,7 @@ impl VolFieldValue {
         }
         if r.maybe_word("regionType") == Some("cellZone") {
             let help = "write `regionType all;`";
-            let message = "`regionType cellZone` is not supported: zones are not read";
+            let message = "`regionType cellZone` is not supported: zones are for `fvOptions` only";
             r.error_at_key("regionType", message, "refused", Some(help));
         } else {
             r.opt_one_of("regionType", &[("all", ())], ());

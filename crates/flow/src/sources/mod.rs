@@ -88,7 +88,17 @@ impl Flow {
     pub(crate) fn begin_sources(&mut self) {
         for source in &mut self.sources {
             if let Source::MeanVelocity(m) = source {
-                (m.start, m.last) = (m.gradient, None);
+                // What a restart does not know the next step may not either.
+                (m.start, m.last, m.response) = (m.gradient, None, None);
+            }
+        }
+    }
+
+    /// Lets `before` be what a step that is taken back goes back to.
+    pub(crate) fn remember_sources(&mut self, before: &[Source]) {
+        for (now, before) in self.sources.iter_mut().zip(before) {
+            if let (Source::MeanVelocity(now), Source::MeanVelocity(before)) = (now, before) {
+                now.start = before.gradient;
             }
         }
     }
