@@ -39,11 +39,6 @@ pub(crate) const TUTORIALS: &[Tutorial] = &[
     plain("icoFoam/cavity/cavityGrade", 0.7, 0.1),
     plain("icoFoam/cavity/cavityClipped", 0.6, 0.1),
     Tutorial {
-        prepare: &["blockMesh -dict system/blockMeshDict.fine"],
-        start: Start::Mesh,
-        ..plain("icoFoam/cavityMappingTest", 0.5, 0.1)
-    },
-    Tutorial {
         prepare: &["gunzip -kf elbow.msh.gz", "fluentMeshToFoam elbow.msh"],
         start: Start::Mesh,
         ..plain("icoFoam/elbow", 10.0, 2.0)

@@ -297,9 +297,13 @@ fn read_sources(
     (poly, mesh): (&PolyMesh, &Mesh),
     sink: &Sink,
 ) -> Result<Vec<Source>, CaseError> {
+    if !config::sources::present(root) {
+        // Nobody asks for zones.
+        return Ok(Vec::new());
+    }
     let zones = Zones::read(root, poly, mesh, sink)?;
-    let mut sources =
-        config::sources::read(root, mesh, &zones, config.acceleration_to_force(), sink)?;
+    let of = (config.acceleration_to_force(), config.transport.second.is_some());
+    let mut sources = config::sources::read(root, mesh, &zones, of, sink)?;
     for source in &mut sources {
         let Source::MeanVelocity(m) = source else { continue };
         let file = format!("{dir}/uniform/{}Properties", m.name);

@@ -91,13 +91,18 @@ impl Zones {
             r.ignore_all();
             return;
         }
+        let known = self.get(&name).is_some();
+        if !known && matches!(action, "delete" | "subtract" | "subset" | "invert") {
+            self.expect(r, "name", &name);
+        }
+        // A zone may have the name of the set that it is made of.
+        let found = if action == "invert" { Vec::new() } else { self.source(r, mesh) };
         let mut now = self.0.remove(&name).unwrap_or_default();
         if action == "invert" {
             now = (0..mesh.n_cells as u32).filter(|c| now.binary_search(c).is_err()).collect();
             self.0.insert(name, now);
             return;
         }
-        let found = self.source(r, mesh);
         let chosen = match action {
             "new" => found,
             "add" => {

@@ -61,26 +61,23 @@ impl Schemes {
             s.ddt = key.map_or(s.ddt, |k| ddt(&sub, k, (two, grains)));
             leave(&sub, "ddt(");
         }
-        if let Some(sub) = r.opt_sub("gradSchemes") {
-            let key = first_of(&sub, &["default", "grad(U)", "grad(p)", "grad(p_rgh)"]);
-            s.gradient = key.map_or(s.gradient, |k| gradient(&sub, k, notices).0);
-            let key = first_of(&sub, &["grad(U)", "default"]);
-            s.limiter = key.and_then(|k| gradient(&sub, k, &Notices::default()).1);
-            if s.limiter.is_some() && key == Some("default") {
-                notices.say(
-                    "gradSchemes: the gradient that convection extrapolates with is limited, those of \
-                     pressure and stress are plain"
-                        .to_owned(),
-                );
-            }
-            leave(&sub, "grad(");
+        let gradients = r.opt_sub("gradSchemes");
+        if let Some(sub) = &gradients {
+            let key = first_of(sub, &["default", "grad(U)", "grad(p)", "grad(p_rgh)"]);
+            s.gradient = key.map_or(s.gradient, |k| gradient(sub, k, notices).0);
         }
         if let Some(sub) = r.opt_sub("divSchemes") {
             s.convection = divergence(&sub, notices);
             if sub.has("div(phi,alpha)") {
                 s.alpha = scheme_of(&sub, "div(phi,alpha)", s.alpha, notices);
             }
+            if let Some(grad) = &gradients {
+                s.read_limiter(grad, &sub, notices);
+            }
             leave(&sub, "div(");
+        }
+        if let Some(sub) = &gradients {
+            leave(sub, "grad(");
         }
         if let Some(sub) = r.opt_sub("laplacianSchemes") {
             let key = first_of(&sub, &["laplacian(nu,U)", "laplacian(mu,U)", "default"]);
@@ -102,6 +99,35 @@ impl Schemes {
         s
     }
 }
+
+impl Schemes {
+    /// The limiter of the gradient that convection extrapolates with: that of the name behind the scheme, if
+    /// `gradSchemes` has it, else of `grad(U)` or of the default.
+    fn read_limiter(&mut self, gradients: &Reader<'_>, divs: &Reader<'_>, notices: &Notices) {
+        let named = first_of(divs, &CONVECTION).and_then(|key| divs.raw(key)?.last()?.word());
+        let named = named.filter(|name| gradients.has(name));
+        let keys: Vec<&str> = named.into_iter().chain(["grad(U)", "default"]).collect();
+        let Some(key) = first_of(gradients, &keys) else { return };
+        self.limiter = gradient(gradients, key, &Notices::default()).1;
+        if self.limiter.is_some() && key == "default" {
+            notices.say(
+                "gradSchemes: the gradient that convection extrapolates with is limited, those of pressure \
+                 and stress are plain"
+                    .to_owned(),
+            );
+        }
+    }
+}
+
+/// Names of the convection of velocity, the first that is there counts.
+const CONVECTION: [&str; 6] = [
+    "div(phi,U)",
+    "div(rhoPhi,U)",
+    "div(rho*phi,U)",
+    "div((rho*phi),U)",
+    "div(rhophi,U)",
+    "default",
+];
 
 /// The first key that is there and is not `none`.
 fn first_of<'k>(r: &Reader<'_>, keys: &[&'k str]) -> Option<&'k str> {
@@ -140,7 +166,11 @@ fn ddt(r: &Reader<'_>, key: &str, (two, grains): (bool, bool)) -> TimeScheme {
         "Euler" | "" => TimeScheme::Euler,
         "backward" if two => {
             let message = "two phases do not move by backward differences";
-            return refuse(&t, message, "write `CrankNicolson 0.9` or `Euler`");
+            return refuse(
+                &t,
+                message,
+                "write `Euler`, or `CrankNicolson 0.9`, which is of first order here, too",
+            );
         }
         "backward" => TimeScheme::Backward,
         "CrankNicolson" => {
@@ -231,15 +261,7 @@ fn unknown(t: &TokenReader<'_>, at: &granflow_dict::Span, what: &str, word: &str
 }
 
 fn divergence(r: &Reader<'_>, notices: &Notices) -> Convection {
-    let keys = [
-        "div(phi,U)",
-        "div(rhoPhi,U)",
-        "div(rho*phi,U)",
-        "div((rho*phi),U)",
-        "div(rhophi,U)",
-        "default",
-    ];
-    let Some(key) = first_of(r, &keys) else {
+    let Some(key) = first_of(r, &CONVECTION) else {
         if r.keys().is_empty() {
             return Schemes::default().convection;
         }
@@ -281,7 +303,9 @@ fn scheme_of(r: &Reader<'_>, key: &str, default: Convection, notices: &Notices) 
     let _ = word;
     let at = t.here();
     let name = t.word("the convection scheme");
-    convection(&mut t, &at, name, notices)
+    let scheme = convection(&mut t, &at, name, notices);
+    t.finish();
+    scheme
 }
 
 /// Convection schemes that are no limiters, by name.
@@ -343,7 +367,8 @@ fn convection(
         "upwind" => return Convection::Upwind,
         "linear" => return Convection::Linear,
         "linearUpwind" | "linearUpwindV" => {
-            // Its gradient is that of `grad(U)`, whatever name is behind.
+            // The name of a gradient: see `read_limiter`.
+            t.opt_word();
             return match name {
                 "linearUpwind" => Convection::LinearUpwind,
                 _ => Convection::LinearUpwindV,
@@ -351,6 +376,7 @@ fn convection(
         }
         "cubic" => return Convection::Mixed(Shares::CUBIC),
         "LUST" => {
+            t.opt_word();
             return Convection::Mixed(Shares::LUST);
         }
         "blended" => {
@@ -374,6 +400,8 @@ fn convection(
     let base = name.strip_suffix('V').filter(|b| is_known(b)).unwrap_or(name);
     if let Some((_, ours)) = SERVED.iter().find(|(theirs, _)| *theirs == base) {
         notices.say(format!("divSchemes: `{name}` is served by `{ours}`"));
+        while t.opt_number().is_some() {}
+        t.opt_word();
         return match LimiterKind::parse(ours, 1.0) {
             Some(limiter) => Convection::Limited(limiter),
             None => convection(t, at, ours, notices),
@@ -381,6 +409,10 @@ fn convection(
     }
     let k = t.opt_number().unwrap_or(1.0);
     if let Some(limiter) = LimiterKind::parse(base, k) {
+        if !(0.0..=1.0).contains(&k) {
+            let message = "the number of a limiter lies between 0 and 1";
+            t.error_at(&t.last_span(), message, "out of range", None);
+        }
         if base == name {
             notices.say(format!(
                 "divSchemes: `{name}` limits a vector along its own change, as `{name}V` does"

@@ -21,8 +21,13 @@ const KINDS: [&str; 4] = [
     "meanVelocityForce",
 ];
 
+/// Whether the case has such a file.
+pub(crate) fn present(root: &Path) -> bool {
+    FILES.iter().any(|file| files::exists(root, file))
+}
+
 /// Reads the sources of a case, their zones in the user's numbering. `rho` is the density that
-/// accelerations are multiplied with to make forces, 1 where forces are given. Mistakes go to the sink.
+/// accelerations are multiplied with to make forces, 1 where forces are given, `two` whether there are two phases. Mistakes go to the sink.
 ///
 /// # Errors
 /// A file is there and cannot be read.
@@ -30,13 +35,21 @@ pub(crate) fn read(
     root: &Path,
     mesh: &Mesh,
     zones: &Zones,
-    rho: f64,
+    (rho, two): (f64, bool),
     sink: &Sink,
 ) -> Result<Vec<Source>, CaseError> {
     let mut sources = Vec::new();
+    let mut found = None;
     for file in FILES {
-        let Some(dict) = files::dict(root, file, sink)? else { continue };
+        // The first that is there, as OpenFOAM has it.
+        found = files::dict(root, file, sink)?;
+        if found.is_some() {
+            break;
+        }
+    }
+    if let Some(dict) = found {
         let all = Reader::new(&dict, sink);
+        all.ignore("FoamFile");
         for (name, r) in all.subs() {
             if name == "FoamFile" {
                 continue;
@@ -48,7 +61,7 @@ pub(crate) fn read(
             let kind = r.word("type").to_owned();
             // Entries stand beside the type, or in a dictionary of their own.
             let inner = r.opt_sub(&format!("{kind}Coeffs"));
-            let of = Of { name, r: inner.as_ref().unwrap_or(&r), outer: &r, mesh, zones, rho };
+            let of = Of { name, r: inner.as_ref().unwrap_or(&r), outer: &r, mesh, zones, rho, two };
             match kind.as_str() {
                 "vectorSemiImplicitSource" | "semiImplicitSource" => of.semi_implicit(&mut sources),
                 "explicitPorositySource" => of.porous(&mut sources),
@@ -66,7 +79,7 @@ pub(crate) fn read(
                     }
                 }
             }
-            for key in ["timeStart", "duration", "selectionMode", "cellZone", "cellSet", "fields"] {
+            for key in ["selectionMode", "cellZone", "cellSet", "fields"] {
                 r.ignore(key);
             }
             if let Some(inner) = &inner {
@@ -74,6 +87,7 @@ pub(crate) fn read(
             }
             r.finish(Severity::Error);
         }
+        all.finish(Severity::Warning);
     }
     Ok(sources)
 }
@@ -86,6 +100,8 @@ struct Of<'r, 'd> {
     mesh: &'r Mesh,
     zones: &'r Zones,
     rho: f64,
+    /// Whether there are two phases.
+    two: bool,
 }
 
 impl<'d> Of<'_, 'd> {
@@ -110,7 +126,34 @@ impl<'d> Of<'_, 'd> {
         };
         let r = self.with(key);
         let name = r.word(key).to_owned();
-        Zone::Cells(self.zones.expect(r, key, &name).to_vec())
+        let known = self.zones.get(&name).is_some();
+        let cells = self.zones.expect(r, key, &name).to_vec();
+        if known && cells.is_empty() {
+            let help = Some("no centre of a cell lies within it: look at system/topoSetDict");
+            r.error_at_key(key, format!("the zone `{name}` has no cells"), "empty", help);
+        }
+        Zone::Cells(cells)
+    }
+
+    /// `timeStart` and `duration`: first and last time.
+    fn window(&self) -> [f64; 2] {
+        let start = self.with("timeStart").maybe_scalar("timeStart", Dims::TIME);
+        let lasts = self.with("duration").maybe_scalar("duration", Dims::TIME);
+        match start {
+            None => [f64::NEG_INFINITY, f64::INFINITY],
+            Some(start) => [start, start + lasts.unwrap_or(f64::INFINITY)],
+        }
+    }
+
+    /// Refuses a window where the source acts all the time.
+    fn always(&self) {
+        for key in ["timeStart", "duration"] {
+            let r = self.with(key);
+            if r.has(key) {
+                let help = Some("remove it, or run the times before without the source");
+                r.error_at_key(key, "this source acts all the time", "not available", help);
+            }
+        }
     }
 
     /// Volume of the zone, m3.
@@ -129,11 +172,14 @@ impl<'d> Of<'_, 'd> {
 
     fn semi_implicit(&self, sources: &mut Vec<Source>) {
         let (r, zone) = (self.r, self.zone());
-        let start = self.with("timeStart").opt_scalar("timeStart", Dims::TIME, f64::NEG_INFINITY);
-        let lasts = self.with("duration").opt_scalar("duration", Dims::TIME, f64::INFINITY);
+        let window = self.window();
         let absolute = r.one_of("volumeMode", &[("specific", false), ("absolute", true)]);
         let per = self.rho / if absolute { self.volume(&zone) } else { 1.0 };
         let Some(rates) = r.sub("injectionRateSuSp") else { return };
+        if rates.keys().is_empty() {
+            let help = Some("write `U ((x y z) 0);` in it");
+            r.error_at_key("injectionRateSuSp", "no force is given", "empty", help);
+        }
         for key in rates.keys() {
             let Some(mut t) = rates.tokens(key) else { continue };
             if key != "U" {
@@ -155,7 +201,6 @@ impl<'d> Of<'_, 'd> {
                 let help = Some("a drag is negative: `((x y z) -5)`");
                 rates.error_at_key(key, "a force that grows with the velocity", "positive", help);
             }
-            let window = [start, start + lasts];
             sources.push(Source::SemiImplicit(SemiImplicit {
                 zone: zone.clone(),
                 force,
@@ -167,6 +212,7 @@ impl<'d> Of<'_, 'd> {
 
     fn porous(&self, sources: &mut Vec<Source>) {
         let zone = self.zone();
+        self.always();
         let r = self.r;
         let model = if r.has("type") { r.word("type") } else { "DarcyForchheimer" };
         if !matches!(model, "DarcyForchheimer" | "explicitPorositySource") {
@@ -192,15 +238,30 @@ impl<'d> Of<'_, 'd> {
 
     fn mean_velocity(&self, sources: &mut Vec<Source>) {
         let (r, zone) = (self.r, self.zone());
+        self.always();
         for key in ["fields", "fieldNames"] {
             r.ignore(key);
         }
         let mean = r.vector("Ubar", Dims::VELOCITY);
-        if norm(mean) == 0.0 {
+        if norm(mean) == 0.0 || !norm(mean).is_finite() {
             let message = "the mean velocity has no direction";
-            r.error_at_key("Ubar", message, "zero vector", Some("leave the source out"));
+            r.error_at_key(
+                "Ubar",
+                message,
+                "zero, or beyond numbers",
+                Some("leave the source out"),
+            );
         }
-        let relaxation = r.opt_in_range("relaxation", Dims::NONE, 0.0..=1.0, 1.0);
+        if (0..3).any(|k| mean[k] != 0.0 && !self.mesh.solved_dirs[k]) {
+            let message = "the mean velocity points where the mesh has no cells side by side";
+            r.error_at_key("Ubar", message, "out of the plane", None);
+        }
+        if self.two {
+            let message = "a held mean velocity is for one fluid";
+            let help = Some("give the force: `vectorSemiImplicitSource`");
+            self.outer.error_at_key("type", message, "two phases", help);
+        }
+        let relaxation = r.opt_in_range("relaxation", Dims::NONE, 1e-3..=1.0, 1.0);
         sources.push(Source::MeanVelocity(MeanVelocity {
             name: self.name.to_owned(),
             zone,

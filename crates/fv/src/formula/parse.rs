@@ -14,6 +14,9 @@ impl FormulaError {
     }
 }
 
+/// Most characters of a formula.
+const LONGEST: usize = 10_000;
+
 type Parsed = Result<Node, FormulaError>;
 
 /// A function of one number.
@@ -87,6 +90,12 @@ pub(super) fn definition(text: &str, names: &[String]) -> Result<(String, Node),
 
 /// A formula of the variables `names`.
 pub(super) fn formula(text: &str, names: &[String]) -> Parsed {
+    // Every operation is a call deeper when it is evaluated.
+    if text.len() > LONGEST {
+        let message =
+            format!("a formula of {} characters is too long: {LONGEST} at most", text.len());
+        return Err(FormulaError::of(message));
+    }
     let mut p = Parser { rest: text.trim_end().trim_end_matches(';'), names, depth: 0 };
     let node = p.choice()?;
     p.space();

@@ -1,4 +1,4 @@
-//! Values that depend on time (OpenFOAM's `Function1`): one trait, one line a form in [`forms`].
+//! Values that depend on time (OpenFOAM's `Function1`): one trait, one line a form in `forms`.
 //!
 //! | in a dictionary | |
 //! |---|---|
@@ -7,7 +7,7 @@
 //! | `key sine; keyCoeffs { amplitude 1; ... }` | settings of their own, or beside `key` |
 //! | `key { type sine; amplitude 1; ... }` | the same as a sub-dictionary |
 //!
-//! To add a form: one file here with its `read`, its value and a test, and one line in [`forms`].
+//! To add a form: one file here with its `read`, its value and a test, and one line in `forms`.
 
 mod csv;
 mod periodic;

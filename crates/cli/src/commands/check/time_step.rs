@@ -33,9 +33,11 @@ pub(super) fn say(case: &Case, outlook: &Outlook, page: &mut Page) {
                 number(1.0 / rate)
             ),
         );
+        // Cells with steps of their own do not have this one.
+        let local = matches!(case.config.schemes.ddt, granflow_flow::TimeScheme::Local(_));
         let explicit = case.config.transport.second.is_some()
             || (case.config.transport.grains.is_none() && case.config.solution.outer == 1);
-        if explicit && control.adjust.is_none() && courant > 1.001 {
+        if explicit && !local && control.adjust.is_none() && courant > 1.001 {
             page.warn(
                 "that is more than 1: PISO and the interface become inaccurate or unstable; shorten \
                  deltaT, or write `adjustTimeStep yes; maxCo 0.5;`",
