@@ -165,6 +165,62 @@ fn limited_gradients_keep_the_order() {
     }
 }
 
+/// Root mean square error of the gradient in cells without boundary faces, and of the normal derivative with
+/// its non-orthogonal correction on faces between such cells.
+fn slopes(m: &Mesh, space: bool, gradient: &Gradient) -> [f64; 2] {
+    let exec = Exec::serial();
+    let here = |p: Vec3| exact(if space { p } else { [p[0], p[1], 0.0] });
+    let slope = |[x, y, z]: Vec3| {
+        let e = (0.9 * x + 0.6 * y + if space { 0.5 * z } else { 0.0 }).exp();
+        [0.9 * e + 0.2 * (0.5 * x).cos(), 0.6 * e, if space { 0.5 * e } else { 0.0 }]
+    };
+    let phi = unknown(&exec, m, here, dirichlet(here));
+    let mut g = vec![[0.0; 3]; m.n_all()];
+    gradient.of(&exec, m, &phi, &mut g);
+    let off = |c: usize| {
+        let d = sub(g[c], slope(m.cell_centre[c]));
+        if inside(m, c) { dot(d, d).sqrt() } else { 0.0 }
+    };
+    let (mut sum, mut area) = (0.0, 0.0);
+    let within = |f: &usize| [m.owner[*f], m.neighbour[*f]].iter().all(|c| inside(m, *c as usize));
+    for f in (0..m.n_inner).filter(within) {
+        let normal = m.normal(f);
+        let ours = operators::normal_derivative(m, &phi, Some(&g), f);
+        sum += m.mag_area[f] * (ours - dot(slope(m.face_centre[f]), normal)).powi(2);
+        area += m.mag_area[f];
+    }
+    [rms(m, off), (sum / area).sqrt()]
+}
+
+/// Second order where neighbours lie opposite each other, first where they do not: there what is left of
+/// the second derivative in a cell does not cancel.
+#[test]
+fn gradients_and_normal_derivatives_on_every_kind_of_cell() {
+    for least_squares in [false, true] {
+        for shape in SHAPES {
+            let errors = [16, 32, 64].map(|n| {
+                // Tetrahedra are large yet.
+                let finer = if shape == "tetrahedra" { 2 } else { 1 };
+                let (poly, space) = box_of(shape, finer * n);
+                let m = mesh(&poly);
+                let gradient = match least_squares {
+                    true => Gradient::LeastSquares(LeastSquares::new(&m)),
+                    false => Gradient::GaussLinear,
+                };
+                slopes(&m, space, &gradient)
+            });
+            let [gradient, normal] = [0, 1].map(|k| {
+                let e = errors.map(|e| e[k]);
+                (orders(&e)[1], e[2])
+            });
+            println!("least squares {least_squares}, {shape}: {gradient:?} {normal:?}");
+            let formal = if shape == "hexahedra" { 2.0 } else { 1.0 };
+            assert!(gradient.0 > formal - 0.1, "{shape}: {gradient:?}");
+            assert!(normal.0 > formal - 0.1, "{shape}: {normal:?}");
+        }
+    }
+}
+
 /// Extrapolated to the faces a limited gradient stays within the values around, at a step as well.
 #[test]
 fn limited_gradients_stay_within_what_is_around() {
