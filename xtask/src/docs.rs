@@ -141,6 +141,7 @@ fn surplus(root: &Path, pages: &BTreeMap<PathBuf, String>) -> Vec<PathBuf> {
 fn pages(granflow: &Path, root: &Path) -> Result<BTreeMap<PathBuf, String>, String> {
     let mut pages = BTreeMap::new();
     let mut contents = String::new();
+    commands(granflow, root, &mut pages, &mut contents)?;
     for kind in KINDS {
         let entries = entries(kind, granflow)?;
         let dir = root.join("book/src/reference").join(kind.name);
@@ -158,6 +159,48 @@ fn pages(granflow: &Path, root: &Path) -> Result<BTreeMap<PathBuf, String>, Stri
     let kept = text.split(GENERATED_PART).next().unwrap_or_default();
     pages.insert(summary, format!("{kept}{GENERATED_PART}\n\n{contents}"));
     Ok(pages)
+}
+
+/// A page for each command, from what it says of itself.
+fn commands(
+    granflow: &Path,
+    root: &Path,
+    pages: &mut BTreeMap<PathBuf, String>,
+    contents: &mut String,
+) -> Result<(), String> {
+    let help = |of: &[&str]| -> Result<String, String> {
+        let output = Command::new(granflow).args(of).env("COLUMNS", "100").output();
+        let output = output.map_err(|e| format!("{}: {e}", granflow.display()))?;
+        // Whatever the file is called.
+        let called = granflow.file_name().unwrap_or_default().to_string_lossy();
+        let text = String::from_utf8_lossy(&output.stdout);
+        Ok(text.trim().replace(&format!("Usage: {called} "), "Usage: granflow "))
+    };
+    let whole = help(&["--help"])?;
+    let lines = whole.lines().skip_while(|l| !l.starts_with("Commands:")).skip(1);
+    let lines = lines.take_while(|l| l.starts_with("  "));
+    let mut list = format!("{NOTE}# Commands\n\n| command | |\n|---|---|\n");
+    *contents += "- [Commands](reference/commands/index.md)\n";
+    let dir = root.join("book/src/reference/commands");
+    for line in lines {
+        let Some((name, summary)) = line.trim().split_once(' ') else { continue };
+        if name == "help" {
+            continue;
+        }
+        *contents += &format!("  - [{name}](reference/commands/{name}.md)\n");
+        list += &format!("| [{name}]({name}.md) | {} |\n", summary.trim());
+        let says = help(&[name, "--help"])?;
+        let example = root.join("book/examples/commands").join(format!("{name}.txt"));
+        let example =
+            fs::read_to_string(&example).map_err(|e| format!("{}: {e}", example.display()))?;
+        let page = format!(
+            "{NOTE}# granflow {name}\n\n```text\n{says}\n```\n\nExample:\n\n```text\n{}\n```\n",
+            example.trim()
+        );
+        pages.insert(dir.join(format!("{name}.md")), page);
+    }
+    pages.insert(dir.join("index.md"), list);
+    Ok(())
 }
 
 /// Entries of one registry by name; a name may stand for several things (solver, preconditioner).
