@@ -151,6 +151,13 @@ impl WholeState {
         if backward && (u_old.is_none() || phi_old.is_none()) {
             // Without an earlier velocity and flux the first step is a plain one.
             clock.dt_old = 0.0;
+            if phi.is_some() {
+                let path = root.join(dir).join("U_0").display().to_string();
+                let message =
+                    "the velocity of the step before is not there: the first step is Euler's";
+                let d = Diag::file(path, message);
+                sink.push(Diag { severity: granflow_dict::Severity::Warning, ..d });
+            }
         }
         let (Some(u), Some(p)) = (u, p) else { return Ok(None) };
         if second.is_some() && alpha.is_none() {
