@@ -53,6 +53,20 @@ fn no_case_of_the_catalogue_is_complained_about() {
 }
 
 #[test]
+fn sources_are_told_with_their_zones() {
+    let (code, out, _) = check(&of_catalogue("channel"));
+    assert_eq!(code, Some(0));
+    let held = "what holds a mean velocity of (1 0 0) m/s, in all cells";
+    assert!(out.contains(held), "{out}");
+    let case = cavity()
+        .write("system/topoSetDict", "actions ( { name left; type cellSet; action new; source boxToCell; box (-1 -1 -1) (0.05 9 1); } );")
+        .write("constant/fvOptions", "fan { type vectorSemiImplicitSource; selectionMode cellSet; cellSet left; volumeMode specific; injectionRateSuSp { U ((3 0 0) 0); } }");
+    let (code, out, err) = check(&case);
+    assert_eq!(code, Some(0), "{err}");
+    assert!(out.contains("a force of (3 0 0) N/m3, in 8 of 16 cells"), "{out}");
+}
+
+#[test]
 fn more_in_than_out_cannot_be() {
     let case = cavity().edit("0/U", "uniform (1 0 0);", "uniform (1 -0.5 0);");
     insta::assert_snapshot!("doctor_net_inflow", findings(&case, 2));

@@ -5,6 +5,7 @@ use crate::text::number;
 use granflow_base::norm;
 use granflow_case::Case;
 use granflow_case::config::Transport;
+use granflow_flow::{Source, Zone};
 
 pub(super) fn say(case: &Case, page: &mut Page) {
     page.open("Phases and units");
@@ -46,6 +47,9 @@ pub(super) fn say(case: &Case, page: &mut Page) {
         }
     };
     page.say("gravity", text);
+    for source in &case.sources {
+        page.say("source", of_source(source, case.mesh.n_cells));
+    }
     let unit = match (case.start.kinematic(), case.pressure_factor()) {
         (false, _) => "Pa".to_owned(),
         (true, rho) => format!("m2/s2 in its file, times rho = {} kg/m3 inside", number(rho)),
@@ -53,6 +57,35 @@ pub(super) fn say(case: &Case, page: &mut Page) {
     let name = case.config.pressure();
     let what = if name == "p_rgh" { "p_rgh, the pressure less the weight above" } else { "p" };
     page.say("pressure", format!("{what}, in {unit}"));
+}
+
+/// A force on the bulk and where it acts.
+fn of_source(source: &Source, all: usize) -> String {
+    let three = |v: [f64; 3]| {
+        let [x, y, z] = v.map(number);
+        format!("({x} {y} {z})")
+    };
+    let (what, zone) = match source {
+        Source::SemiImplicit(s) => {
+            let drag = match s.drag {
+                0.0 => String::new(),
+                drag => format!(" less {} kg/(m3 s) times U", number(drag)),
+            };
+            (format!("a force of {} N/m3{drag}", three(s.force)), &s.zone)
+        }
+        Source::Porous(s) => {
+            let coefficients = format!("d {} 1/m2, f {} 1/m", three(s.darcy), three(s.forchheimer));
+            (format!("a porous body, {coefficients}"), &s.zone)
+        }
+        Source::MeanVelocity(s) => {
+            let mean = s.direction.map(|d| d * s.mean);
+            (format!("what holds a mean velocity of {} m/s", three(mean)), &s.zone)
+        }
+    };
+    match zone {
+        Zone::All => format!("{what}, in all cells"),
+        Zone::Cells(cells) => format!("{what}, in {} of {all} cells", cells.len()),
+    }
 }
 
 fn of(t: &Transport) -> String {
