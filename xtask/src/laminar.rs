@@ -91,7 +91,12 @@ fn rows(t: &Tutorial) -> Result<(), String> {
         let [a, b] = [time_dir(&ours, time)?, time_dir(&theirs, time)?];
         let [u, v] = [&a, &b].map(|dir| field::vectors(&dir.join("U"), volume.len()));
         let [p, q] = [&a, &b].map(|dir| field::scalars(&dir.join("p"), volume.len()));
-        println!("| {}{} | {time} | {} |", t.path, t.label, row(&volume, (&u?, &v?), (&p?, &q?)));
+        println!(
+            "| {}{} | {time:.4} | {} |",
+            t.path,
+            t.label,
+            row(&volume, (&u?, &v?), (&p?, &q?))
+        );
     }
     Ok(())
 }

@@ -12,7 +12,7 @@
 
 use crate::interpolation::{Interpolated, Slopes, interpolated_flux};
 use crate::krylov::{DIRECTIONS, Hessenberg};
-use crate::{Flow, Purpose, SolveCount, StepError, settle};
+use crate::{Flow, Purpose, SolveCount, StepError, TimeScheme, settle};
 use granflow_base::{Dims, Tensor, Value, Vec3, norm};
 use granflow_fv::{
     Convection, Equation, FaceField, Unknown, defer_to_upwind, laplacian, operators, sp,
@@ -36,6 +36,8 @@ const HELD: f64 = 1.6e7;
 /// Momentum residual from which on Newton's method is tried, and share of that of a failed pass.
 const NEAR: f64 = 0.05;
 const FARTHER: f64 = 0.1;
+/// Reduction in a pass on what carries itself, whose flux is held.
+const CARRIED: f64 = 0.1;
 /// Share of a velocity's residual that a solver may leave.
 const HOPELESS: f64 = 0.5;
 
@@ -125,6 +127,14 @@ impl Carrier {
         }
         self.last = now;
         self.follows = now < self.below;
+    }
+
+    /// How far the pass is to reduce momentum and continuity, where convergence needs `needed` and the momentum
+    /// residual is `now`: Picard's passes gain a constant factor whatever they are solved to, Newton's
+    /// the square.
+    pub(crate) fn wanted_reduction(&self, needed: f64, now: f64) -> f64 {
+        let gain = if self.follows { (0.3 * now.sqrt()).min(CARRIED) } else { CARRIED };
+        if needed.is_nan() { gain } else { needed.clamp(gain, CARRIED) }
     }
 }
 
@@ -239,6 +249,13 @@ impl Flow {
         self.interpolate_flux_of_state(dt);
         done.iter_mut().for_each(|d| d.last = small.residual());
         Ok(done)
+    }
+
+    /// Whether passes are there because the flow carries itself: a steady state at constant viscosity.
+    pub(crate) fn carrier_may_follow(&self) -> bool {
+        self.numerics.ddt == TimeScheme::Steady
+            && self.two_phase.is_none()
+            && self.fluid.rheology.is_constant()
     }
 
     /// Most directions of a cycle. What is carried through many cells takes more than what diffuses, as many

@@ -6,11 +6,14 @@
 //! where momentum and continuity are solved together.
 
 use crate::interpolation::Slopes;
+use crate::steady::FOREVER;
 use crate::time;
-use crate::{Flow, StepError, TimeScheme};
-use granflow_base::{Value, Vec3};
+use crate::work::Work;
+use crate::{Flow, Numerics, StepError, TimeScheme};
+use granflow_base::{Tensor, Value, Vec3};
 use granflow_fv::{
-    Convection, Ddt, ddt, defer_to_upwind, div, div_explicit, laplacian, operators, source, sp,
+    Convection, Ddt, Unknown, ddt, defer_to_upwind, div, div_explicit, laplacian, operators,
+    source, sp,
 };
 use granflow_mesh::Mesh;
 
@@ -26,6 +29,8 @@ impl Flow {
         match self.numerics.ddt {
             // The step is endless, or one of pseudo-time.
             TimeScheme::Steady => [1.0, 1.0, 0.0],
+            // Nor has an endless step anything to remember.
+            _ if dt >= FOREVER => [1.0, 1.0, 0.0],
             TimeScheme::Backward if self.state.dt_old > 0.0 => {
                 // Backward differences on unequal steps, r = dt/dt_old.
                 let r = dt / self.state.dt_old;
@@ -185,6 +190,25 @@ impl Flow {
         });
         w.force = force;
         if force == 0.0 { 0.0 } else { imbalance / force }
+    }
+}
+
+impl Work {
+    /// The gradient that convection extrapolates with into `limited`, where it is not the whole one, `grad_u`.
+    pub(crate) fn limit_gradient(
+        &mut self,
+        exec: &granflow_par::Exec,
+        mesh: &Mesh,
+        numerics: &Numerics,
+        u: &Unknown<Vec3>,
+    ) {
+        let Some(limiter) = numerics.limiter else { return };
+        if !numerics.convection.needs_gradient(mesh) {
+            return;
+        }
+        let limited = self.limited.get_or_insert_with(|| vec![Tensor::default(); mesh.n_all()]);
+        limited.copy_from_slice(&self.grad_u);
+        limiter.apply(exec, mesh, u, limited);
     }
 }
 

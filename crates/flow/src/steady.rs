@@ -40,6 +40,42 @@ struct Snapshot {
 }
 
 impl Flow {
+    /// Residuals of the state as it stands, taken as a steady state (no inertia between steps);
+    /// nothing is changed. This is what tells a solution from a velocity that merely stands still:
+    /// all three are measured with each other's present fields.
+    ///
+    /// # Errors
+    /// [`StepError`] when the rheology gives no viscosity.
+    pub fn residuals(&mut self) -> Result<Residuals, StepError> {
+        let Flow { state, work: w, fluid, .. } = self;
+        w.u_start.copy_from_slice(&state.u.cells.data);
+        w.p_start.copy_from_slice(&state.p.cells.data);
+        w.phi_start.copy_from_slice(&state.phi.data);
+        w.clock_start = (state.time, state.step);
+        fluid.rheology.begin_step();
+        w.friction.forget();
+        self.begin_sources();
+        self.update_conditions();
+        let measured = self.measured_without_inertia(FOREVER);
+        self.rollback();
+        measured
+    }
+
+    fn measured_without_inertia(&mut self, forever: f64) -> Result<Residuals, StepError> {
+        self.recall_viscosity(forever)?;
+        self.assemble_momentum(forever)?;
+        let mut residuals = Residuals {
+            u: self.momentum_residual(),
+            p: self.continuity_residual(),
+            viscosity: 0.0,
+        };
+        if !self.fluid.rheology.is_constant() {
+            self.evaluate_rheology(forever)?;
+            residuals.viscosity = self.viscosity_residual();
+        }
+        Ok(residuals)
+    }
+
     /// The length of a step as inertia sees it, s.
     pub(crate) fn inertial_step(&self, clock: f64) -> f64 {
         match self.numerics.ddt {

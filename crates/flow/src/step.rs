@@ -265,54 +265,9 @@ impl Flow {
         }
         let care = if settled { 1.0 } else { self.work.patience.care };
         if self.carrier_may_follow() {
-            // Picard's passes gain a constant factor whatever they are solved to, Newton's the square.
-            let follows = self.work.coupled.carrier.follows;
-            let gain = if follows { (0.3 * now.u.sqrt()).min(CARRIED) } else { CARRIED };
-            return if needed.is_nan() { gain } else { needed.clamp(gain, CARRIED) };
+            return self.work.coupled.carrier.wanted_reduction(needed, now.u);
         }
         if needed.is_nan() { most } else { needed.clamp(least, most) * care }
-    }
-
-    /// Whether passes are there because the flow carries itself: a steady state at constant viscosity.
-    pub(crate) fn carrier_may_follow(&self) -> bool {
-        self.numerics.ddt == TimeScheme::Steady
-            && self.two_phase.is_none()
-            && self.fluid.rheology.is_constant()
-    }
-
-    /// Residuals of the state as it stands, taken as a steady state (no inertia between steps);
-    /// nothing is changed. This is what tells a solution from a velocity that merely stands still:
-    /// all three are measured with each other's present fields.
-    ///
-    /// # Errors
-    /// [`StepError`] when the rheology gives no viscosity.
-    pub fn residuals(&mut self) -> Result<Residuals, StepError> {
-        let Flow { state, work: w, fluid, .. } = self;
-        w.u_start.copy_from_slice(&state.u.cells.data);
-        w.p_start.copy_from_slice(&state.p.cells.data);
-        w.phi_start.copy_from_slice(&state.phi.data);
-        w.clock_start = (state.time, state.step);
-        fluid.rheology.begin_step();
-        w.friction.forget();
-        self.update_conditions();
-        let measured = self.measured_without_inertia(crate::steady::FOREVER);
-        self.rollback();
-        measured
-    }
-
-    fn measured_without_inertia(&mut self, forever: f64) -> Result<Residuals, StepError> {
-        self.recall_viscosity(forever)?;
-        self.assemble_momentum(forever)?;
-        let mut residuals = Residuals {
-            u: self.momentum_residual(),
-            p: self.continuity_residual(),
-            viscosity: 0.0,
-        };
-        if !self.fluid.rheology.is_constant() {
-            self.evaluate_rheology(forever)?;
-            residuals.viscosity = self.viscosity_residual();
-        }
-        Ok(residuals)
     }
 
     /// Whether momentum and pressure are solved together, until their residuals are small: always
@@ -561,8 +516,6 @@ impl Patience {
 /// settled and on its way.
 const SETTLED: (f64, f64) = (1e-6, 1e-1);
 const MOVING: (f64, f64) = (1e-2, 1e-1);
-/// Reduction in a pass on what carries itself, whose flux is held.
-const CARRIED: f64 = 0.1;
 /// The greatest beside another fluid, where what the pressure lacks decides who is in contact.
 const MOVING_BESIDE: f64 = 1e-2;
 

@@ -1,11 +1,8 @@
 //! What the time schemes remember from step to step, and steps of their own for every cell.
 
-use crate::work::Work;
-use crate::{Flow, LocalSteps, Numerics, TimeScheme};
-use granflow_base::{Tensor, Value, Vec3};
-use granflow_fv::{CellField, Unknown};
-use granflow_mesh::Mesh;
-use granflow_par::Exec;
+use crate::{Flow, LocalSteps, TimeScheme};
+use granflow_base::Value;
+use granflow_fv::CellField;
 
 /// Most passes over the mesh that even out local steps. Each lets a step differ by the allowed
 /// growth one cell further; beyond them steps differ by many powers of it already.
@@ -93,33 +90,16 @@ impl Flow {
         }
         mesh.halo.update(exec, rates);
         let rho = &w.rho.data;
-        rates.iter_mut().zip(rho).for_each(|(rate, rho)| *rate *= rho * dt);
+        exec.for_each(rates, |first, out| {
+            out.iter_mut().enumerate().for_each(|(i, rate)| *rate *= rho[first + i] * dt);
+        });
     }
 }
 
-/// A density and scratch of its size; see [`Work::local`].
+/// A density and scratch of its size; see `Work::local`.
 pub(crate) type Local = Option<(CellField<f64>, Vec<f64>)>;
 
 /// The density that inertia has: the fluid's, `rho`, but for cells with steps of their own.
 pub(crate) fn inertia<'a>(rho: &'a CellField<f64>, local: &'a Local) -> &'a CellField<f64> {
     local.as_ref().map_or(rho, |(rho, _)| rho)
-}
-
-impl Work {
-    /// The gradient that convection extrapolates with into `limited`, where it is not the whole one, `grad_u`.
-    pub(crate) fn limit_gradient(
-        &mut self,
-        exec: &Exec,
-        mesh: &Mesh,
-        numerics: &Numerics,
-        u: &Unknown<Vec3>,
-    ) {
-        let Some(limiter) = numerics.limiter else { return };
-        if !numerics.convection.needs_gradient(mesh) {
-            return;
-        }
-        let limited = self.limited.get_or_insert_with(|| vec![Tensor::default(); mesh.n_all()]);
-        limited.copy_from_slice(&self.grad_u);
-        limiter.apply(exec, mesh, u, limited);
-    }
 }

@@ -110,6 +110,11 @@ fn a_step_taken_back_takes_the_gradient_back() {
     assert!(flow.mean_gradients() != before);
     flow.rollback();
     assert!(flow.mean_gradients() == before);
+    // To look at residuals changes nothing.
+    flow.step(0.1).expect("a step");
+    let after = flow.mean_gradients();
+    flow.residuals().expect("residuals");
+    assert!(flow.mean_gradients() == after);
 }
 
 /// A force against a drag ends at their ratio, in its window and its zone only.

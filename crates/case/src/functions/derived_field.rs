@@ -1,7 +1,7 @@
 //! What functions that make one field of others have in common.
 
 use super::quantity::Wanted;
-use super::{Function, Info, Plan, Remembered, Values, View, Written};
+use super::{Function, Info, Plan, Rank, Remembered, Unit, Values, View, Written};
 use crate::CaseConfig;
 use granflow_dict::{Reader, Sink};
 use granflow_mesh::Mesh;
@@ -21,6 +21,19 @@ pub(super) struct DerivedField {
     pub(super) derived: bool,
     /// How.
     pub(super) compute: Compute,
+}
+
+impl DerivedField {
+    /// A field in the cells that follows from the velocity's gradient.
+    pub(super) fn of_velocity_gradient(
+        r: &Reader<'_>,
+        name: &str,
+        (rank, unit): (Rank, Unit),
+        compute: Compute,
+    ) -> Box<dyn Plan> {
+        let makes = vec![Info { name: result(r, name), rank, unit, on_faces: false }];
+        Box::new(DerivedField { of: Wanted::velocity(r), makes, derived: true, compute })
+    }
 }
 
 impl Plan for DerivedField {

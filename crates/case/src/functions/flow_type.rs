@@ -1,10 +1,10 @@
 //! What kind of flow a place has: -1 rotation, 0 simple shear, 1 pure strain.
 
-use super::derived_field::{DerivedField, result};
+use super::derived_field::DerivedField;
 use super::field::components;
 use super::quantity::Wanted;
 use super::schedule::{Every, Schedule};
-use super::{Entry, Info, Rank, Unit, Values, View};
+use super::{Entry, Rank, Unit, Values, View};
 use granflow_base::{Dims, Tensor};
 
 pub(super) const ENTRY: Entry = Entry {
@@ -12,17 +12,12 @@ pub(super) const ENTRY: Entry = Entry {
     summary: "the field `flowType`: -1 rotation, 0 simple shear, 1 pure strain",
     reference: "J. S. Lee et al., Rheol. Acta 46 (2007) 521",
     read: |r, _| {
-        Box::new(DerivedField {
-            makes: vec![Info {
-                name: result(r, "flowType"),
-                rank: Rank::Scalar,
-                unit: Unit::of(Dims::NONE),
-                on_faces: false,
-            }],
-            of: Wanted::velocity(r),
-            derived: true,
+        DerivedField::of_velocity_gradient(
+            r,
+            "flowType",
+            (Rank::Scalar, Unit::of(Dims::NONE)),
             compute,
-        })
+        )
     },
     schedule: Schedule::always(Every::Writes(1)),
 };

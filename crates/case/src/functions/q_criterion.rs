@@ -1,29 +1,19 @@
 //! The second invariant of the velocity gradient: positive where a vortex turns faster than the flow
 //! is strained.
 
-use super::derived_field::{DerivedField, result};
+use super::derived_field::DerivedField;
 use super::field::{components, double_dot_transposed};
 use super::gradient::RATE;
 use super::quantity::Wanted;
 use super::schedule::{Every, Schedule};
-use super::{Entry, Info, Rank, Values, View};
+use super::{Entry, Rank, Values, View};
 
 pub(super) const ENTRY: Entry = Entry {
     name: "Q",
     summary: "the field `Q`: second invariant of the velocity gradient, 1/s2",
     reference: "J. C. R. Hunt, A. A. Wray, P. Moin, CTR-S88 (1988) 193",
     read: |r, _| {
-        Box::new(DerivedField {
-            makes: vec![Info {
-                name: result(r, "Q"),
-                rank: Rank::Scalar,
-                unit: RATE.times(RATE),
-                on_faces: false,
-            }],
-            of: Wanted::velocity(r),
-            derived: true,
-            compute,
-        })
+        DerivedField::of_velocity_gradient(r, "Q", (Rank::Scalar, RATE.times(RATE)), compute)
     },
     schedule: Schedule::always(Every::Writes(1)),
 };

@@ -1,29 +1,17 @@
 //! The curl of the velocity.
 
-use super::derived_field::{DerivedField, result};
+use super::derived_field::DerivedField;
 use super::field::components;
 use super::gradient::RATE;
 use super::quantity::Wanted;
 use super::schedule::{Every, Schedule};
-use super::{Entry, Info, Rank, Values, View};
+use super::{Entry, Rank, Values, View};
 
 pub(super) const ENTRY: Entry = Entry {
     name: "vorticity",
     summary: "the field `vorticity`: the curl of the velocity, 1/s",
     reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, ch. 2",
-    read: |r, _| {
-        Box::new(DerivedField {
-            makes: vec![Info {
-                name: result(r, "vorticity"),
-                rank: Rank::Vector,
-                unit: RATE,
-                on_faces: false,
-            }],
-            of: Wanted::velocity(r),
-            derived: true,
-            compute,
-        })
-    },
+    read: |r, _| DerivedField::of_velocity_gradient(r, "vorticity", (Rank::Vector, RATE), compute),
     schedule: Schedule::always(Every::Writes(1)),
 };
 

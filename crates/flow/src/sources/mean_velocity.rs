@@ -104,8 +104,8 @@ impl Flow {
         changed
     }
 
-    /// What the mean velocity of source `k` lacks, and the mean, m/s; none where it is held, or is none
-    /// of that source's business.
+    /// What the mean velocity of source `k` lacks, and the mean, m/s; none where it is held, and of
+    /// other sources.
     fn lack_of_mean(&self, k: usize) -> Option<(f64, f64)> {
         let Source::MeanVelocity(m) = &self.sources[k] else { return None };
         let u = &self.state.u.cells.data;

@@ -1,7 +1,7 @@
 //! Forces on the bulk beside gravity: what OpenFOAM calls fvOptions.
 //!
 //! Every source adds a force per volume `body - sink U` to momentum: the sink is implicit. To add one:
-//! a file here and a line in [`Source`].
+//! a file here, a line in [`Source`] and where it is applied, and its reader in `case/config/sources.rs`.
 
 mod mean_velocity;
 mod porous;
@@ -66,13 +66,15 @@ impl Flow {
         if !self.has_sources() {
             return;
         }
-        let Flow { mesh, state, work: w, sources, gravity, .. } = self;
+        let Flow { exec, mesh, state, work: w, sources, gravity, .. } = self;
         let n = mesh.n_cells;
         let (body, sink) = (&mut w.body.data, &mut w.sink.data);
-        for c in 0..n {
-            body[c] = gravity.driving.scaled(w.rho.data[c]);
-            sink[c] = 0.0;
-        }
+        let rho = &w.rho.data;
+        exec.for_each2(&mut body[..n], &mut sink[..n], |first, body, sink| {
+            for (i, (body, sink)) in body.iter_mut().zip(sink).enumerate() {
+                (*body, *sink) = (gravity.driving.scaled(rho[first + i]), 0.0);
+            }
+        });
         let seen =
             Seen { time: state.time, u: &state.u.cells.data, rho: &w.rho.data, eta: &w.eta.data };
         for source in sources {

@@ -1,7 +1,7 @@
 //! Checks of volumes, areas and angles.
 
+use super::Worst;
 use super::report::{CheckReport, Place, Severity};
-use super::{NO_CELLS, Worst};
 use crate::geometry::Geometry;
 use crate::polymesh::{PatchKind, PolyMesh};
 use granflow_base::{Vec3, add, dot, norm, scale, sub, unit};
@@ -38,13 +38,7 @@ fn bounds(poly: &PolyMesh, report: &mut CheckReport) {
 }
 
 fn cells(poly: &PolyMesh, g: &Geometry, ptr: &[u32], links: &[u32], report: &mut CheckReport) {
-    let place = |c: usize, value: f64| Place {
-        what: "cell",
-        index: c,
-        at: g.cell_centre[c],
-        value,
-        cells: NO_CELLS,
-    };
+    let place = |c: usize, value: f64| Place::cell(g, c, value);
     // Directions that an empty patch takes out do not count towards the aspect ratio.
     let mut flat = [0.0; 3];
     for f in poly.patches.iter().filter(|p| p.kind == PatchKind::Empty).flat_map(|p| p.faces()) {
@@ -115,13 +109,7 @@ fn cells(poly: &PolyMesh, g: &Geometry, ptr: &[u32], links: &[u32], report: &mut
 }
 
 fn faces(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
-    let place = |f: usize, value: f64| Place {
-        what: "face",
-        index: f,
-        at: g.face_centre[f],
-        value,
-        cells: NO_CELLS,
-    };
+    let place = |f: usize, value: f64| Place::face(g, f, value);
     let n_inner = poly.n_inner();
     let q = &mut report.quality;
     q.area = [f64::INFINITY, 0.0];

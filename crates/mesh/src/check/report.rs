@@ -1,5 +1,7 @@
 //! What a mesh check found.
 
+use super::NO_CELLS;
+use crate::geometry::Geometry;
 use crate::polymesh::{place, short};
 use granflow_base::Vec3;
 use std::fmt;
@@ -124,6 +126,17 @@ pub struct Place {
     pub value: f64,
     /// Of a face, the cells on its sides: the owner and, inside the mesh, the neighbour.
     pub cells: (Option<u32>, Option<u32>),
+}
+
+impl Place {
+    /// Cell `c`.
+    pub(super) fn cell(g: &Geometry, c: usize, value: f64) -> Place {
+        Place { what: "cell", index: c, at: g.cell_centre[c], value, cells: NO_CELLS }
+    }
+    /// Face `f`.
+    pub(super) fn face(g: &Geometry, f: usize, value: f64) -> Place {
+        Place { what: "face", index: f, at: g.face_centre[f], value, cells: NO_CELLS }
+    }
 }
 
 impl Finding {

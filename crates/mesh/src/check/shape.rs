@@ -1,7 +1,7 @@
 //! Checks of how cells and faces are bent.
 
+use super::Worst;
 use super::report::{CheckReport, Place, Severity};
-use super::{NO_CELLS, Worst};
 use crate::geometry::Geometry;
 use crate::polymesh::{PatchKind, PolyMesh};
 use granflow_base::{add, cross, dot, norm, scale, sub, unit};
@@ -40,8 +40,7 @@ fn pyramids(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
         let own = depth(poly.owner[f], 1.0);
         let other = poly.neighbour.get(f).map(|&n| depth(n, -1.0));
         let least = other.map_or(own, |d| d.min(own));
-        let at =
-            |value| Place { what: "face", index: f, at: g.face_centre[f], value, cells: NO_CELLS };
+        let at = |value| Place::face(g, f, value);
         if least.is_nan() || least <= 0.0 {
             let cells = poly.cells_of(f);
             let wrong: Vec<u32> = cells
@@ -85,13 +84,7 @@ fn doubled(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
         let mut ring = poly.face(f).to_vec();
         ring.sort_unstable();
         if let Some(first) = seen.insert(ring, f) {
-            let place = Place {
-                what: "face",
-                index: f,
-                at: g.face_centre[f],
-                value: first as f64,
-                cells: NO_CELLS,
-            };
+            let place = Place::face(g, f, first as f64);
             let mut cells = poly.cells_of(f);
             cells.extend(poly.cells_of(first));
             double.add(place, &cells);
@@ -143,13 +136,7 @@ fn aligned(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
             })
             .fold(0.0, f64::max);
         if worst > ALIGNED {
-            let place = Place {
-                what: "face",
-                index: f,
-                at: g.face_centre[f],
-                value: worst,
-                cells: NO_CELLS,
-            };
+            let place = Place::face(g, f, worst);
             leaning.add(place, &poly.cells_of(f));
         }
     }
@@ -176,13 +163,7 @@ fn concave_faces(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
         // The sine of 10 degrees: what is less is a point on an edge.
         if turn < -0.17 {
             let angle = (-turn).min(1.0).asin().to_degrees();
-            let place = Place {
-                what: "face",
-                index: f,
-                at: g.face_centre[f],
-                value: angle,
-                cells: NO_CELLS,
-            };
+            let place = Place::face(g, f, angle);
             concave.add(place, &poly.cells_of(f));
         }
     }
@@ -210,13 +191,7 @@ fn concave_cells(g: &Geometry, ptr: &[u32], links: &[u32], report: &mut CheckRep
             }
         }
         if most > BENT {
-            let place = Place {
-                what: "cell",
-                index: c,
-                at: g.cell_centre[c],
-                value: most,
-                cells: NO_CELLS,
-            };
+            let place = Place::cell(g, c, most);
             concave.add(place, &[c as u32]);
         }
     }

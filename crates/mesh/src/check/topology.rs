@@ -27,20 +27,8 @@ pub(super) fn check(
         })
         .collect();
     let cell = |c: usize| &links[ptr[c] as usize..ptr[c + 1] as usize];
-    let at_cell = |c: usize, value: f64| Place {
-        what: "cell",
-        index: c,
-        at: g.cell_centre[c],
-        value,
-        cells: NO_CELLS,
-    };
-    let at_face = |f: usize, value: f64| Place {
-        what: "face",
-        index: f,
-        at: g.face_centre[f],
-        value,
-        cells: NO_CELLS,
-    };
+    let at_cell = |c: usize, value: f64| Place::cell(g, c, value);
+    let at_face = |f: usize, value: f64| Place::face(g, f, value);
 
     let (mut few, mut open) = (Worst::new(), Worst::new());
     let mut edges: Vec<(u32, u32)> = Vec::new();
