@@ -234,3 +234,56 @@ fn a_heap_under_a_fluid_is_found_directly() {
     println!("surface {most} m/s, four steps later apart by {:.1e} of it", apart / most);
     assert!(most > 0.1 && apart < 1e-5 * most, "{apart} of {most}");
 }
+
+/// Sixteen cells over 5 widths, eight over 2.5: the column covers 3 x 6 of them, and hardly moves in a step.
+#[test]
+fn gauges_see_how_high_water_stands() {
+    let width = 0.146;
+    let cell = 2.5 * width / 8.0;
+    let places = [(0.5 * width, 0.1), (3.0 * cell, 0.0), (3.0 * width, 0.0)];
+    let list: String = places.iter().map(|(x, y)| format!("({x} {y} 0.005)")).collect();
+    for ranks in [1, 3] {
+        let case = dam()
+            .edit("system/controlDict", "deltaT          0.001;", "deltaT 1e-6;")
+            .edit("system/controlDict", "adjustTimeStep  yes;", "adjustTimeStep no;")
+            .edit("system/controlDict", "endTime         0.02;", "endTime 1e-6;")
+            .edit(
+                "system/controlDict",
+                "functions\n{",
+                &format!("functions {{ gauge {{ type interfaceHeight; locations ({list}); }}"),
+            );
+        let options = Options { ranks, ..Options::default() };
+        let (sink, notices) = (Sink::new(), Notices::new());
+        let mut run = Run::load(case.path(), &options, &sink, &notices).unwrap();
+        while !matches!(run.advance().unwrap(), Event::Done(_)) {}
+        let heights = case.read("postProcessing/gauge/0/height.dat");
+        let row: Vec<f64> = heights
+            .lines()
+            .last()
+            .unwrap()
+            .split_whitespace()
+            .map(|x| x.parse().unwrap())
+            .collect();
+        let full = 6.0 * cell;
+        // Between a full column of cells and an empty one, half of it.
+        let wanted = [full, full - 0.1, 0.5 * full, 0.5 * full, 0.0, 0.0];
+        assert_eq!(row.len(), 7, "{heights}");
+        for (found, wanted) in row[1..].iter().zip(wanted) {
+            assert!((found - wanted).abs() < 1e-6 * full, "{ranks} ranks: {heights}");
+        }
+        let positions = case.read("postProcessing/gauge/0/position.dat");
+        assert!(
+            positions.contains("(0.073 0.27") && positions.contains("# Location 2 "),
+            "{positions}"
+        );
+    }
+    let case = dam().edit(
+        "system/controlDict",
+        "functions\n{",
+        "functions { gauge { type interfaceHeight; locations ((9 0 0)); }",
+    );
+    let run = case.run(&["run"]);
+    let said = text(&run.stderr);
+    assert_eq!(run.status.code(), Some(2), "{said}");
+    assert!(said.contains("no vertical through location 0 at (9 0 0) meets the mesh"), "{said}");
+}

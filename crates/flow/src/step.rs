@@ -139,7 +139,7 @@ impl Flow {
                 report.residuals.u = self.momentum_residual();
                 report.residuals.p = self.continuity_residual();
                 // A guessed viscosity says nothing of how it follows the flow.
-                if std::mem::take(&mut self.work.slowest) > 0.0 {
+                if std::mem::take(&mut self.work.slowest) > 0.0 || outer == 1 {
                     self.work.newton.refused = true;
                 }
                 constant

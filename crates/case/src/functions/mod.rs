@@ -17,6 +17,7 @@ mod flow_type;
 mod force_coefficients;
 mod forces;
 mod gradient;
+mod interface_height;
 mod locate;
 mod magnitude;
 mod operations;
@@ -213,6 +214,7 @@ pub const ALL: &[Entry] = &[
     cell_centres::ENTRY,
     cell_volumes::ENTRY,
     phase::ENTRY,
+    interface_height::ENTRY,
     set_flow::ENTRY,
 ];
 
