@@ -1,5 +1,6 @@
 //! What the time schemes remember from step to step, and steps of their own for every cell.
 
+use crate::two_phase::Carried;
 use crate::{Flow, LocalSteps, TimeScheme};
 use granflow_base::Value;
 use granflow_fv::CellField;
@@ -14,9 +15,11 @@ impl Flow {
     /// The Crank-Nicolson scheme with OpenFOAM's `psi` is
     /// `((1 + psi) (U - U0)/dt - psi R0) = F`, with `R = (1 + psi) (U - U0)/dt - psi R0` handed
     /// on. With `U00 = U0 - dt R0` it has the form of differences over two steps, and what is handed
-    /// on is `U - dt R`. With two fluids it is momentum that is handed on, as a velocity times the density.
+    /// on is `U - dt R`. With two fluids it is momentum that is handed on, as a velocity times the density,
+    /// and what convection moved is no part of it ([`crate::two_phase`]).
     pub(crate) fn remember_old(&mut self, dt: f64) {
         let c = self.ddt_coefficients(dt);
+        let grains = self.has_grains_in_fluid();
         let Flow { exec, mesh, state, numerics, work: w, two_phase, .. } = self;
         if !matches!(numerics.ddt, TimeScheme::CrankNicolson(_)) {
             state.u_old.copy_from_slice(&w.u_start);
@@ -25,12 +28,19 @@ impl Flow {
         }
         let [c0, c1, c2] = c;
         let (u, start) = (&state.u.cells.data, &w.u_start);
+        let carried = Carried { flux: &w.rho_phi.data, weights: &w.weights.data, correction: None };
+        let convected = two_phase.as_ref().map(|t| &t.work.convected);
+        let convected = convected.filter(|convected| !grains && convected.is_known());
         let densities = two_phase.as_ref().map(|t| (&w.rho.data, &t.work.rho_old.data));
         exec.for_each(&mut state.u_old[..mesh.n_cells], |first, old| {
             for (i, old) in old.iter_mut().enumerate() {
                 let c = first + i;
                 let ratio = densities.map_or(1.0, |(now, then)| then[c] / now[c]);
-                let rate = u[c].scaled(c0).axpy(-c1 * ratio, start[c]).axpy(c2 * ratio, *old);
+                let mut rate = u[c].scaled(c0).axpy(-c1 * ratio, start[c]).axpy(c2 * ratio, *old);
+                if let (Some(convected), Some((rho, _))) = (convected, densities) {
+                    let leaves = convected.leaves(mesh, &state.u, &carried, c);
+                    rate = rate.axpy(dt / (rho[c] * mesh.volume[c]), leaves);
+                }
                 *old = u[c].minus(rate);
             }
         });

@@ -5,7 +5,10 @@
 mod two_common;
 
 use granflow_base::{Vec3, dot, scale};
+use granflow_flow::Mixing;
 use granflow_flow::vof::Shape;
+use granflow_fv::conditions::FixedValue;
+use granflow_mesh::shapes;
 use two_common::*;
 
 /// Water up to y = 0.47 in a tank whose mesh is sheared by `degrees`, upwards or sideways.
@@ -186,4 +189,34 @@ fn a_step_can_be_taken_back() {
     assert!(before != alpha(&flow));
     flow.rollback();
     assert!(before == alpha(&flow) && u == flow.state.u.cells.data);
+}
+
+/// Two layers between plates, one of which slides: they bear one stress, and the interface lies in the middle of a
+/// row of cells. Faces that know which way they look have the exact stress.
+#[test]
+fn viscosities_mix_as_the_case_says() {
+    let stress = |mixing: Mixing| {
+        let poly = shapes::periodic_box([2, 9, 2], [true, false, true]);
+        let shape = Shape::half_space([0.0, 1.0, 0.0], [0.0, 0.5, 0.0]);
+        let mut two = water_and_air(&poly, shape);
+        (two.gravity, two.rho, two.eta) = ([0.0; 3], [1.0; 2], [10.0, 0.1]);
+        (two.mixing, two.numerics.predictor) = (mixing, true);
+        let mut flow = two.flow(|name| match name {
+            "yMax" => Box::new(FixedValue::uniform([1.0, 0.0, 0.0])),
+            _ => wall(),
+        });
+        for _ in 0..20 {
+            flow.step(100.0).expect("a step");
+        }
+        let top = (0..flow.mesh.n_cells).find(|&c| flow.mesh.cell_centre[c][1] > 0.9);
+        let u = flow.state.u.cells.data[top.expect("a cell")][0];
+        0.1 * (1.0 - u) * 18.0
+    };
+    let exact = 1.0 / (0.5 / 10.0 + 0.5 / 0.1);
+    let [harmonic, arithmetic, directed] =
+        [Mixing::Harmonic, Mixing::Arithmetic, Mixing::FaceDirection]
+            .map(|m| stress(m) / exact - 1.0);
+    println!("harmonic {harmonic:.2e}, arithmetic {arithmetic:.2e}, faceDirection {directed:.2e}");
+    assert!(directed.abs() < 1e-8, "{directed}");
+    assert!(arithmetic > 0.05 && harmonic < 0.5 * arithmetic, "{harmonic} {arithmetic}");
 }

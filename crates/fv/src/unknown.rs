@@ -85,8 +85,13 @@ impl<T: Differentiable> Unknown<T> {
     /// The value on boundary face `f` (global face index).
     #[inline]
     pub fn boundary_value(&self, mesh: &Mesh, f: usize) -> T {
+        self.boundary_value_beside(mesh, f, self.cells.data[mesh.owner[f] as usize])
+    }
+
+    /// The same were the value of the face's cell `cell`.
+    #[inline]
+    pub fn boundary_value_beside(&self, mesh: &Mesh, f: usize, cell: T) -> T {
         let b = f - mesh.n_inner;
-        let cell = self.cells.data[mesh.owner[f] as usize];
         let v = self.closure.offset[b].axpy(self.closure.slope[b], cell);
         match self.closure.normal[b] {
             0.0 => v,

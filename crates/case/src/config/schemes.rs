@@ -166,11 +166,7 @@ fn ddt(r: &Reader<'_>, key: &str, (two, grains): (bool, bool)) -> TimeScheme {
         "Euler" | "" => TimeScheme::Euler,
         "backward" if two => {
             let message = "two phases do not move by backward differences";
-            return refuse(
-                &t,
-                message,
-                "write `Euler`, or `CrankNicolson 0.9`, which is of first order here, too",
-            );
+            return refuse(&t, message, "write `Euler` or `CrankNicolson 0.9`");
         }
         "backward" => TimeScheme::Backward,
         "CrankNicolson" => {

@@ -57,6 +57,14 @@ pub(crate) fn parallel(a: f64, eta_1: f64, eta_2: f64) -> f64 {
     }
 }
 
+/// On a face with the share `a` of fluid 1, were it to look across the interface and along it. Across, fluid 1
+/// takes up the part of the way between the cells that lies in it.
+#[inline]
+pub(crate) fn by_direction(a: f64, eta_1: f64, eta_2: f64) -> [f64; 2] {
+    let way = (2.0 * a - 0.5).clamp(0.0, 1.0);
+    [series(way, eta_1, eta_2), parallel(a, eta_1, eta_2)]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

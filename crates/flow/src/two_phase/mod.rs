@@ -7,6 +7,7 @@
 //! M. Francois et al., J. Comput. Phys. 213 (2006) 141; S. Popinet, J. Comput. Phys. 190 (2003)
 //! 572). So what balances on the faces moves no cell, on any mesh.
 
+mod convected;
 mod face_forces;
 mod first_flux;
 mod grains;
@@ -25,6 +26,7 @@ pub use pore::Pores;
 pub use prescribed::Prescribed;
 
 use crate::vof::{Corners, Vof, VofReport};
+pub(crate) use convected::{Carried, Convected};
 use face_forces::FaceForces;
 pub(crate) use grains::{Grains, sparse};
 use granflow_base::{Dims, Vec3};
@@ -71,6 +73,9 @@ pub(crate) struct TwoPhaseWork {
     /// Flux of the velocity that momentum gives without pressure and forces on faces, m3/s.
     pub(crate) base: FaceField<f64>,
     pub(crate) vof: VofReport,
+    /// The volume flux that moved the interface, m3/s.
+    pub(crate) carrier: FaceField<f64>,
+    pub(crate) convected: Convected,
     /// Where fluid 1 is made of grains.
     pub(crate) grains: Option<Grains>,
 }
@@ -126,6 +131,8 @@ impl TwoPhase {
             tension: SurfaceTension::new(exec, mesh),
             base: FaceField::new(mesh, "phiHbyA", Dims::VOLUME_FLUX, 0.0),
             vof: VofReport::default(),
+            carrier: FaceField::new(mesh, "carrier", Dims::VOLUME_FLUX, 0.0),
+            convected: Convected::default(),
             grains: None,
         };
         TwoPhase {

@@ -3,14 +3,20 @@
 //! `d(rho U)/dt + div(rho phi U) - div(eta (grad U + grad U^T)) = faces' forces + rho G'`
 
 use super::TwoPhase;
+use super::convected::Carried;
 use crate::momentum::add_faces;
-use crate::{Flow, StepError};
+use crate::{Flow, StepError, TimeScheme};
 use granflow_base::Value;
 use granflow_fv::{Ddt, ddt, div, div_explicit, laplacian, operators, source, sp};
 
 impl Flow {
-    /// Assembles momentum without the forces on faces, with the fields as they stand.
-    pub(crate) fn assemble_two_phase_momentum(&mut self, dt: f64) -> Result<(), StepError> {
+    /// Assembles momentum without the forces on faces, with the fields as they stand. `again`: in a later
+    /// pass of the same step.
+    pub(crate) fn assemble_two_phase_momentum(
+        &mut self,
+        dt: f64,
+        again: bool,
+    ) -> Result<(), StepError> {
         let c = self.ddt_coefficients(dt);
         self.apply_sources();
         let sinks = self.has_sources();
@@ -33,6 +39,16 @@ impl Flow {
         convection.weigh(exec, mesh, u, gradient, flux, &mut w.weights, out);
         if convection.corrects(mesh) {
             add_faces(exec, mesh.n_inner, -1.0, &w.scratch_f.data, &mut w.explicit.data);
+        }
+        if matches!(numerics.ddt, TimeScheme::CrankNicolson(_)) {
+            let carried = Carried {
+                flux: &w.rho_phi.data,
+                weights: &w.weights.data,
+                correction: convection.corrects(mesh).then_some(&w.scratch_f.data[..]),
+            };
+            let old = (!again).then_some(&w.u_start[..]);
+            let explicit = &mut w.explicit.data;
+            two.work.convected.hold(exec, mesh, u, (&carried, old, c[0] - 1.0), explicit);
         }
         w.friction.keep_normal(exec, mesh, &state.u, &mut w.explicit);
         let inertia = Ddt {

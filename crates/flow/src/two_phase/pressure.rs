@@ -84,7 +84,7 @@ impl Flow {
     /// flux stay as they are.
     pub(crate) fn guess_pressure(&mut self, dt: f64) -> Result<(), StepError> {
         self.work.eta_f.data.fill(0.0);
-        self.assemble_two_phase_momentum(dt)?;
+        self.assemble_two_phase_momentum(dt, false)?;
         self.update_two_phase_mobility();
         self.flux_without_forces(dt);
         for _ in 0..SETTLING.0 {
