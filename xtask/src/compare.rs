@@ -104,6 +104,21 @@ pub(crate) const TUTORIALS: &[Tutorial] = &[
         label: "",
     },
     Tutorial {
+        path: "interFoam/laminar/mixerVessel2D",
+        prepare: &[
+            "gunzip -kf system/blockMeshDict.m4.gz",
+            "sh ./makeMesh",
+            "cp 0/alpha.water.orig 0/alpha.water",
+            "setFields",
+        ],
+        start: Start::Mesh,
+        changes: &[],
+        end: 0.5,
+        interval: 0.125,
+        axis: 1,
+        label: "",
+    },
+    Tutorial {
         path: "interIsoFoam/damBreak",
         prepare: &["cp -r 0.orig 0", "blockMesh", "setFields"],
         start: Start::Own,

@@ -82,7 +82,7 @@ fn tidied_scalars(v: &[f64]) -> Vec<f64> {
 }
 
 /// The sources of the case on the cells of one rank.
-fn sources(case: &Case, mesh: &Mesh, gradients: Option<Vec<f64>>) -> Vec<Source> {
+fn sources(case: &Case, mesh: &Mesh, gradients: Option<Vec<f64>>) -> Vec<Box<dyn Source>> {
     let mut sources = case.sources.clone();
     let mut here = std::collections::HashMap::new();
     if !sources.is_empty() {
@@ -90,16 +90,12 @@ fn sources(case: &Case, mesh: &Mesh, gradients: Option<Vec<f64>>) -> Vec<Source>
     }
     let mut kept = gradients.into_iter().flatten();
     for source in &mut sources {
-        let zone = match source {
-            Source::SemiImplicit(s) => &mut s.zone,
-            Source::Porous(s) => &mut s.zone,
-            Source::MeanVelocity(s) => {
-                if let Some(g) = kept.next() {
-                    s.gradient = g * case.config.acceleration_to_force();
-                }
-                &mut s.zone
-            }
-        };
+        if let Some(held) = source.held_mut()
+            && let Some(g) = kept.next()
+        {
+            held.gradient = g * case.config.acceleration_to_force();
+        }
+        let zone = source.zone_mut();
         if let Zone::Cells(cells) = zone {
             let mut own: Vec<u32> = cells.iter().filter_map(|c| here.get(c).copied()).collect();
             own.sort_unstable();
@@ -135,6 +131,7 @@ pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Fl
     );
     let mut p = Unknown::new(&mesh, config.pressure(), Dims::PRESSURE, 0.0, p_conditions);
     p.cells.data[..n].iter_mut().zip(&start.p).for_each(|(p, v)| *p = k * v);
+    let fresh = start.phi.is_none();
     let mut phi = FaceField::new(&mesh, "phi", Dims::VOLUME_FLUX, 0.0);
     match start.phi {
         Some(values) => phi.data.copy_from_slice(&values),
@@ -186,6 +183,7 @@ pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Fl
         gradient,
         limiter: config.schemes.limiter,
         non_orthogonal: config.schemes.non_orthogonal,
+        sn_grad: config.schemes.sn_grad,
         outer: sol.outer,
         correctors: sol.correctors,
         non_orthogonal_correctors: sol.non_orthogonal_correctors,
@@ -203,6 +201,7 @@ pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Fl
     let sources = sources(case, &mesh, start.gradients);
     let mut flow = Flow::new(exec, mesh, state, Fluid { rho, rheology }, case.gravity, numerics);
     flow.sources = sources;
+    flow.turn_frames(fresh);
     match second {
         Some(second) => flow.with_second_fluid(second),
         None => flow,

@@ -82,7 +82,7 @@ pub struct Case {
     /// Fields that setFieldsDict or setAlphaFieldDict changed, which are not so on the disk.
     pub fields_set: Vec<String>,
     /// Forces on the bulk beside gravity, their cells in the user's numbering.
-    pub sources: Vec<Source>,
+    pub sources: Vec<Box<dyn Source>>,
     /// Waves at its patches.
     pub waves: WaveTable,
     /// Gravity, split into what p_rgh absorbs and what drives the flow along cyclic directions.
@@ -143,7 +143,9 @@ impl Case {
         let remembered = remembered::read(root, &start.dir, functions, &poly, notices)?;
         let whole = config.gravity.unwrap_or_default();
         let waves = WaveTable::read(root, &start, whole, (&poly, &mesh), sink)?;
-        let sources = read_sources(root, &dir, &config, (&poly, &mesh), sink)?;
+        let times = Some((start.time, end));
+        let clock = (start.restarted, times);
+        let sources = read_sources(root, &dir, (&config, clock), (&poly, &mesh), (sink, notices))?;
         need_time_ahead(&config, options, &start, end, sink);
         let mut case = Case {
             root: root.to_owned(),
@@ -289,15 +291,15 @@ fn need_time_ahead(
     });
 }
 
-/// The sources of a case as they are at the time directory `dir`.
+/// The sources of a case as they are at the time directory `dir`, frames that turn behind forces.
 fn read_sources(
     root: &Path,
     dir: &str,
-    config: &CaseConfig,
+    (config, (restarted, times)): (&CaseConfig, (bool, Option<(f64, f64)>)),
     (poly, mesh): (&PolyMesh, &Mesh),
-    sink: &Sink,
-) -> Result<Vec<Source>, CaseError> {
-    if !config::sources::present(root) {
+    (sink, notices): (&Sink, &Notices),
+) -> Result<Vec<Box<dyn Source>>, CaseError> {
+    if !config::sources::present(root) && !config::mrf::present(root) {
         // Nobody asks for zones.
         return Ok(Vec::new());
     }
@@ -305,14 +307,24 @@ fn read_sources(
     let of = (config.acceleration_to_force(), config.transport.second.is_some());
     let mut sources = config::sources::read(root, mesh, &zones, of, sink)?;
     for source in &mut sources {
-        let Source::MeanVelocity(m) = source else { continue };
+        let Some(m) = source.held_mut() else { continue };
         let file = format!("{dir}/uniform/{}Properties", m.name);
-        if let Some(dict) = files::dict(root, file, sink)? {
-            let r = Reader::new(&dict, sink);
-            let kept = r.opt_scalar("gradient", Dims::NONE, 0.0);
-            m.gradient = kept * config.acceleration_to_force();
+        match files::dict(root, &file, sink)? {
+            Some(dict) => {
+                let r = Reader::new(&dict, sink);
+                let kept = r.opt_scalar("gradient", Dims::NONE, 0.0);
+                m.gradient = kept * config.acceleration_to_force();
+            }
+            None if restarted => notices.say(format!(
+                "{file} is not there: what holds the mean velocity (`{}`) starts from no gradient",
+                m.name
+            )),
+            None => {}
         }
     }
+    let files = DiskFiles::new(root);
+    let case = CaseContext { files: &files, density: config.transport.rho, times };
+    sources.extend(config::mrf::read(root, mesh, &zones, case, sink)?);
     Ok(sources)
 }
 

@@ -9,7 +9,6 @@ use crate::worker::Sheets;
 use crate::{Case, CaseError};
 use granflow_base::{Dims, dot};
 use granflow_dict::{Dict, Format, Header, Writer, number};
-use granflow_flow::Source;
 use std::collections::BTreeSet;
 use std::fs::{File, OpenOptions};
 use std::io::Write;
@@ -152,10 +151,7 @@ pub(crate) fn write_time(
         dir.file_plain(remembered::PROPERTIES, &remembered::properties(name, &made.memories))?;
     }
     dir.file_plain("uniform/time", &clock.text(name))?;
-    let held = case.sources.iter().filter_map(|s| match s {
-        Source::MeanVelocity(m) => Some(&m.name),
-        _ => None,
-    });
+    let held = case.sources.iter().filter_map(|s| s.held()).map(|m| &m.name);
     for (source, gradient) in held.zip(&s.gradients) {
         let file = format!("{source}Properties");
         let header = Header::new("dictionary", &file).location(format!("{name}/uniform"));

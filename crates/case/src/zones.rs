@@ -5,7 +5,9 @@
 //! zone is asked for, and nothing is written.
 
 use crate::{CaseError, files, set_fields};
-use granflow_dict::{Payload, Reader, Sink, Source, Tok, Value, nearest, parse_list_file};
+use granflow_dict::{
+    Payload, Reader, Severity, Sink, Source, Tok, Value, nearest, parse_list_file,
+};
 use granflow_mesh::{Mesh, PolyMesh};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -72,6 +74,8 @@ impl Zones {
         while !list.is_empty() {
             let Some(action) = list.dict("an action") else { break };
             self.act(&action, mesh);
+            // Of an action that is not understood nothing more is said.
+            action.finish(Severity::Error);
         }
         r.ignore_all();
     }
@@ -86,9 +90,13 @@ impl Zones {
         }
         let actions = ["new", "add", "delete", "subtract", "subset", "clear", "invert", "remove"];
         let action = r.one_of("action", &actions.map(|a| (a, a)));
+        if matches!(action, "clear" | "remove" | "invert") {
+            // They need no cells.
+            r.ignore("source");
+            r.ignore("sourceInfo");
+        }
         if matches!(action, "clear" | "remove") {
             self.0.insert(name, Vec::new());
-            r.ignore_all();
             return;
         }
         let known = self.get(&name).is_some();
@@ -123,7 +131,10 @@ impl Zones {
         let of = inner.as_ref().unwrap_or(r);
         let named = ["set", "zone", "name"];
         match kind.as_str() {
-            "" => Vec::new(),
+            "" => {
+                r.ignore_all();
+                Vec::new()
+            }
             "cellToCell" | "zoneToCell" | "setToCellZone" => {
                 let key =
                     named.into_iter().find(|k| of.has(k) && (*k != "name" || inner.is_some()));

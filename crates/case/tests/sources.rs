@@ -83,8 +83,31 @@ fn zones_and_sources_that_cannot_be_are_refused() {
     assert!(said("(0.5 2 1)", "(-0.5 2 1)").contains("the zone `left` has no cells"));
     assert!(said("boxToCell", "boxToCel").contains("did you mean `boxToCell`?"));
     assert!(said("cellZone right;", "cellZone right; timeStart 1;").contains("acts all the time"));
+    let more = said("source boxToCell;", "source boxToCell; sources boxToCell;");
+    assert!(more.contains("unknown entry `sources`") && more.contains("topoSetDict"), "{more}");
+    assert!(said("action invert;", "action invert; sett left;").contains("unknown entry `sett`"));
     assert!(said("U ((0 30 0) -0.5);", "").contains("no force is given"));
     assert!(said("-0.5", "0.5").contains("grows with the velocity"));
+}
+
+/// A restart whose gradient is lost says that it starts anew.
+#[test]
+fn a_lost_gradient_is_told() {
+    let dir = couette("");
+    put(dir.path(), "system/controlDict", "endTime 0.1; deltaT 0.05;");
+    let hold = "hold { type meanVelocityForce; selectionMode all; fields (U); Ubar (1 0 0); }";
+    put(dir.path(), "constant/fvOptions", hold);
+    run(dir.path(), &until(0.1));
+    let told = || {
+        let (sink, notices) = (granflow_dict::Sink::new(), granflow_case::Notices::new());
+        let from = Some(granflow_case::From::Latest);
+        let options = granflow_case::Options { from, ..until(0.2) };
+        granflow_case::Case::load(dir.path(), &options, &sink, &notices).unwrap();
+        notices.take().join("\n")
+    };
+    assert!(!told().contains("holdProperties"), "{}", told());
+    std::fs::remove_file(dir.path().join("0.1/uniform/holdProperties")).unwrap();
+    assert!(told().contains("0.1/uniform/holdProperties is not there"), "{}", told());
 }
 
 #[test]

@@ -67,6 +67,30 @@ fn sources_are_told_with_their_zones() {
 }
 
 #[test]
+fn sources_of_one_kind_that_share_cells_are_told() {
+    let fan = |name: &str, zone: &str| {
+        format!(
+            "{name} {{ type vectorSemiImplicitSource; {zone} volumeMode specific; injectionRateSuSp {{ U ((3 0 0) 0); }} }}"
+        )
+    };
+    let of = |first: &str, second: &str| {
+        let case = cavity()
+            .write("system/topoSetDict", "actions ( { name left; type cellSet; action new; source boxToCell; box (-1 -1 -1) (0.05 9 1); } { name right; type cellSet; action new; source cellToCell; set left; } { name right; type cellSet; action invert; } );")
+            .write("constant/fvOptions", &(fan("a", first) + &fan("b", second)));
+        check(&case).1
+    };
+    let [all, left, right] = [
+        "selectionMode all;",
+        "selectionMode cellSet; cellSet left;",
+        "selectionMode cellSet; cellSet right;",
+    ];
+    let told = "`a` and `b` are both a vectorSemiImplicitSource and share cells";
+    assert!(of(all, left).contains(told), "{}", of(all, left));
+    assert!(of(left, left).contains(told));
+    assert!(!of(left, right).contains("share cells"));
+}
+
+#[test]
 fn more_in_than_out_cannot_be() {
     let case = cavity().edit("0/U", "uniform (1 0 0);", "uniform (1 -0.5 0);");
     insta::assert_snapshot!("doctor_net_inflow", findings(&case, 2));

@@ -1,9 +1,21 @@
-//! Arithmetic of `#calc`, `#eval` and `${{ }}`.
+//! Arithmetic of `#calc`, `#eval` and `${{ }}`: numbers, and vectors as OpenFOAM's `#eval` has them.
+//!
+//! Among vectors `&` binds as a product does and `^`, the cross product, looser than a sum: foamDictionary of
+//! v1912 makes `(3 1 0) ^ (0 1 0)` of `vector(1,1,0) + 2*vector(1,0,0) ^ vector(0,1,0)`. Among numbers `^` is
+//! the power.
+
+/// A number or a vector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Quantity {
+    Number(f64),
+    Vector([f64; 3]),
+}
+use Quantity::{Number, Vector};
 
 /// A value and what to say about it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Evaluated {
-    pub(crate) value: f64,
+    pub(crate) value: Quantity,
     /// A quotient of whole numbers was not whole: C++ (and so OpenFOAM's `#calc`) would cut it.
     pub(crate) cut_in_cpp: bool,
 }
@@ -26,14 +38,18 @@ pub(crate) fn eval(text: &str, lookup: Lookup<'_>) -> Result<Evaluated, ArithErr
     if p.at < p.b.len() && p.b[p.at] != b';' {
         return p.err(format!("`{}` is not expected here", p.rest()));
     }
-    if !value.is_finite() {
+    let finite = match value {
+        Number(x) => x.is_finite(),
+        Vector(v) => v.iter().all(|x| x.is_finite()),
+    };
+    if !finite {
         return Err(ArithError { at: 0, message: "the result is not a finite number".into() });
     }
     Ok(Evaluated { value, cut_in_cpp: p.cut })
 }
 
 /// A value and whether C++ would hold it as an integer.
-type Num = (f64, bool);
+type Num = (Quantity, bool);
 
 struct Parser<'t> {
     b: &'t [u8],
@@ -45,7 +61,15 @@ struct Parser<'t> {
 }
 
 fn truth(b: bool) -> Num {
-    (f64::from(u8::from(b)), true)
+    (Number(f64::from(u8::from(b))), true)
+}
+
+/// Component by component.
+fn both(a: [f64; 3], b: [f64; 3], f: impl Fn(f64, f64) -> f64) -> [f64; 3] {
+    [f(a[0], b[0]), f(a[1], b[1]), f(a[2], b[2])]
+}
+fn inner(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 impl Parser<'_> {
@@ -67,6 +91,13 @@ impl Parser<'_> {
         self.at += op.len();
         Some(op)
     }
+    /// The number that is needed here.
+    fn number(&self, of: Num) -> Result<f64, ArithError> {
+        match of.0 {
+            Number(x) => Ok(x),
+            Vector(_) => self.err("a number is needed here, and this is a vector"),
+        }
+    }
     fn ternary(&mut self) -> Result<Num, ArithError> {
         self.depth += 1;
         if self.depth > 100 {
@@ -79,7 +110,7 @@ impl Parser<'_> {
                 return self.err("`:` is missing");
             }
             let no = self.ternary()?;
-            if test.0 != 0.0 { yes } else { no }
+            if self.number(test)? != 0.0 { yes } else { no }
         } else {
             test
         };
@@ -90,7 +121,7 @@ impl Parser<'_> {
         let mut x = self.and()?;
         while self.take(&["||"]).is_some() {
             let y = self.and()?;
-            x = truth(x.0 != 0.0 || y.0 != 0.0);
+            x = truth(self.number(x)? != 0.0 || self.number(y)? != 0.0);
         }
         Ok(x)
     }
@@ -98,22 +129,42 @@ impl Parser<'_> {
         let mut x = self.comparison()?;
         while self.take(&["&&"]).is_some() {
             let y = self.comparison()?;
-            x = truth(x.0 != 0.0 && y.0 != 0.0);
+            x = truth(self.number(x)? != 0.0 && self.number(y)? != 0.0);
         }
         Ok(x)
     }
     fn comparison(&mut self) -> Result<Num, ArithError> {
-        let mut x = self.sum()?;
+        let mut x = self.crossed()?;
         while let Some(op) = self.take(&["==", "!=", "<=", ">=", "<", ">"]) {
-            let y = self.sum()?;
+            let y = self.crossed()?;
             x = truth(match op {
                 "==" => x.0 == y.0,
                 "!=" => x.0 != y.0,
-                "<=" => x.0 <= y.0,
-                ">=" => x.0 >= y.0,
-                "<" => x.0 < y.0,
-                _ => x.0 > y.0,
+                _ => {
+                    let (x, y) = (self.number(x)?, self.number(y)?);
+                    match op {
+                        "<=" => x <= y,
+                        ">=" => x >= y,
+                        "<" => x < y,
+                        _ => x > y,
+                    }
+                }
             });
+        }
+        Ok(x)
+    }
+    /// Cross products.
+    fn crossed(&mut self) -> Result<Num, ArithError> {
+        let mut x = self.sum()?;
+        while let Vector(a) = x.0 {
+            if self.take(&["^"]).is_none() {
+                break;
+            }
+            let Vector(b) = self.sum()?.0 else {
+                return self.err("behind `^` and a vector a vector is needed");
+            };
+            let of = |i: usize, j: usize| a[i] * b[j] - a[j] * b[i];
+            x = (Vector([of(1, 2), of(2, 0), of(0, 1)]), false);
         }
         Ok(x)
     }
@@ -121,27 +172,45 @@ impl Parser<'_> {
         let mut x = self.product()?;
         while let Some(op) = self.take(&["+", "-"]) {
             let y = self.product()?;
-            let v = if op == "+" { x.0 + y.0 } else { x.0 - y.0 };
-            x = (v, x.1 && y.1);
+            let f = |x: f64, y: f64| if op == "+" { x + y } else { x - y };
+            x = match (x.0, y.0) {
+                (Number(a), Number(b)) => (Number(f(a, b)), x.1 && y.1),
+                (Vector(a), Vector(b)) => (Vector(both(a, b, f)), false),
+                _ => return self.err(format!("a vector `{op}` a number")),
+            };
         }
         Ok(x)
     }
     fn product(&mut self) -> Result<Num, ArithError> {
         let mut x = self.unary()?;
-        while let Some(op) = self.take(&["*", "/", "%"]) {
+        loop {
+            let Some(op) = self.take(&["*", "/", "%", "&&", "&"]) else { return Ok(x) };
+            if op == "&&" {
+                self.at -= op.len();
+                return Ok(x);
+            }
             let y = self.unary()?;
             let int = x.1 && y.1;
-            x = match op {
-                "*" => (x.0 * y.0, int),
-                "/" => {
-                    let q = x.0 / y.0;
+            x = match (x.0, op, y.0) {
+                (Number(a), "*", Number(b)) => (Number(a * b), int),
+                (Number(a), "/", Number(b)) => {
+                    let q = a / b;
                     self.cut |= int && q != q.trunc();
-                    (q, int && q == q.trunc())
+                    (Number(q), int && q == q.trunc())
                 }
-                _ => (x.0 % y.0, int),
+                (Number(a), "%", Number(b)) => (Number(a % b), int),
+                (Number(a), "*", Vector(v)) | (Vector(v), "*", Number(a)) => {
+                    (Vector(v.map(|x| a * x)), false)
+                }
+                (Vector(v), "/", Number(a)) => (Vector(v.map(|x| x / a)), false),
+                (Vector(a), "&", Vector(b)) => (Number(inner(a, b)), false),
+                (Vector(_), "*", Vector(_)) => {
+                    return self
+                        .err("`*` of two vectors is a tensor, which is not done: `&` or `^`");
+                }
+                _ => return self.err(format!("`{op}` is not for these")),
             };
         }
-        Ok(x)
     }
     fn unary(&mut self) -> Result<Num, ArithError> {
         // A loop, not a recursion: `------1` must not exhaust the stack.
@@ -154,15 +223,21 @@ impl Parser<'_> {
             }
         }
         let mut x = self.power()?;
-        x = match not {
-            1 => truth(x.0 == 0.0),
-            2 => truth(x.0 != 0.0),
-            _ => x,
+        if not > 0 {
+            x = truth((self.number(x)? != 0.0) == (not == 2));
+        }
+        let negative = match x.0 {
+            Number(a) => Number(-a),
+            Vector(v) => Vector(v.map(|x| -x)),
         };
-        Ok(if minus { (-x.0, x.1) } else { x })
+        Ok(if minus { (negative, x.1) } else { x })
     }
     fn power(&mut self) -> Result<Num, ArithError> {
-        let x = self.primary()?;
+        let mut x = self.primary()?;
+        while let Vector(v) = x.0 {
+            let Some(part) = self.take(&[".x()", ".y()", ".z()"]) else { return Ok(x) };
+            x = (Number(v[usize::from(part.as_bytes()[1] - b'x')]), false);
+        }
         if self.take(&["^"]).is_none() {
             return Ok(x);
         }
@@ -172,7 +247,7 @@ impl Parser<'_> {
         }
         let y = self.unary()?;
         self.depth -= 1;
-        Ok((x.0.powf(y.0), false))
+        Ok((Number(self.number(x)?.powf(self.number(y)?)), false))
     }
     fn primary(&mut self) -> Result<Num, ArithError> {
         self.space();
@@ -211,7 +286,7 @@ impl Parser<'_> {
         let text = &self.text[self.at..end];
         let Ok(x) = text.parse() else { return self.err(format!("`{text}` is not a number")) };
         self.at = end;
-        Ok((x, text.bytes().all(|c| c.is_ascii_digit())))
+        Ok((Number(x), text.bytes().all(|c| c.is_ascii_digit())))
     }
     fn variable(&mut self) -> Result<Num, ArithError> {
         let braced = self.b.get(self.at + 1) == Some(&b'{');
@@ -225,7 +300,7 @@ impl Parser<'_> {
         match (self.lookup)(name) {
             Ok(x) => {
                 self.at = (end + usize::from(braced)).min(self.b.len());
-                Ok((x, x == x.trunc()))
+                Ok((Number(x), x == x.trunc()))
             }
             Err(why) => self.err(why),
         }
@@ -248,17 +323,20 @@ impl Parser<'_> {
             }
             self.close()?;
         }
-        let x: Vec<f64> = args.iter().map(|a| a.0).collect();
+        if let Some(out) = of_vectors(name, &args) {
+            return Ok((out, false));
+        }
+        let x = args.iter().map(|a| self.number(*a)).collect::<Result<Vec<f64>, _>>()?;
         if let Some(v) = function(name, &x) {
-            return Ok((v, false));
+            return Ok((Number(v), false));
         }
         let int = args.iter().all(|a| a.1);
         match (name, x.as_slice()) {
-            ("min", [a, b]) => Ok((a.min(*b), int)),
-            ("max", [a, b]) => Ok((a.max(*b), int)),
-            ("abs" | "mag", [a]) => Ok((a.abs(), int)),
+            ("min", [a, b]) => Ok((Number(a.min(*b)), int)),
+            ("max", [a, b]) => Ok((Number(a.max(*b)), int)),
+            ("abs" | "mag", [a]) => Ok((Number(a.abs()), int)),
             ("bool", [a]) => Ok(truth(*a != 0.0)),
-            ("int" | "label", [a]) => Ok((a.trunc(), true)),
+            ("int" | "label", [a]) => Ok((Number(a.trunc()), true)),
             ("true", []) => Ok(truth(true)),
             ("false", []) => Ok(truth(false)),
             _ => {
@@ -276,8 +354,22 @@ const NAMES: &[&str] = &[
     "sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log",
     "log10", "sqrt", "cbrt", "pow", "sqr", "pow3", "pow4", "abs", "mag", "fabs", "sign", "floor",
     "ceil", "round", "min", "max", "mod", "hypot", "degToRad", "radToDeg", "pi", "twoPi", "scalar",
-    "label", "int",
+    "label", "int", "vector", "magSqr",
 ];
+
+/// Functions that make vectors or take them.
+fn of_vectors(name: &str, args: &[Num]) -> Option<Quantity> {
+    let args: Vec<Quantity> = args.iter().map(|a| a.0).collect();
+    Some(match (name, args.as_slice()) {
+        ("vector", [Number(x), Number(y), Number(z)]) => Vector([*x, *y, *z]),
+        ("mag", [Vector(v)]) => Number(inner(*v, *v).sqrt()),
+        ("magSqr", [Vector(v)]) => Number(inner(*v, *v)),
+        ("magSqr", [Number(x)]) => Number(x * x),
+        ("min", [Vector(a), Vector(b)]) => Vector(both(*a, *b, f64::min)),
+        ("max", [Vector(a), Vector(b)]) => Vector(both(*a, *b, f64::max)),
+        _ => return None,
+    })
+}
 
 fn function(name: &str, x: &[f64]) -> Option<f64> {
     use std::f64::consts::{E, FRAC_PI_2, PI, TAU};
@@ -326,8 +418,54 @@ fn function(name: &str, x: &[f64]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    fn value(text: &str) -> f64 {
+    fn of(text: &str) -> Quantity {
         eval(text, &|n| if n == "x" { Ok(3.0) } else { Err(format!("no {n}")) }).unwrap().value
+    }
+    fn value(text: &str) -> f64 {
+        match of(text) {
+            Number(x) => x,
+            Vector(v) => panic!("{v:?}"),
+        }
+    }
+
+    /// As foamDictionary of v1912 prints them.
+    #[test]
+    fn vectors_as_openfoam_has_them() {
+        for (text, v) in [
+            ("vector(1,2,3) * 2", [2.0, 4.0, 6.0]),
+            ("2 * vector(1,2,3)", [2.0, 4.0, 6.0]),
+            ("vector(1,2,3) / 2", [0.5, 1.0, 1.5]),
+            ("vector(1,2,3) + vector(1,1,1)", [2.0, 3.0, 4.0]),
+            ("-vector(1,2,3)", [-1.0, -2.0, -3.0]),
+            ("vector(1,0,0) ^ vector(0,1,0)", [0.0, 0.0, 1.0]),
+            ("vector(1,1,0)+2*vector(1,0,0)^vector(0,1,0)", [0.0, 0.0, 3.0]),
+            ("vector(sqrt(4), $x, 2*3)", [2.0, 3.0, 6.0]),
+            ("1 > 0 ? vector(1,0,0) : vector(0,1,0)", [1.0, 0.0, 0.0]),
+            ("min(vector(1,5,3), vector(4,2,6))", [1.0, 2.0, 3.0]),
+        ] {
+            assert_eq!(of(text), Vector(v), "{text}");
+        }
+        for (text, x) in [
+            ("mag(vector(3,4,0))", 5.0),
+            ("magSqr(vector(3,4,0))", 25.0),
+            ("vector(1,2,3) & vector(4,5,6)", 32.0),
+            ("vector(1,2,3) & vector(1,1,1) * 2", 12.0),
+            ("1 + vector(1,2,3) & vector(1,1,1)", 7.0),
+            ("vector(1,2,3).x()", 1.0),
+            ("vector(1,2,3).z() ^ 2", 9.0),
+            ("vector(1,2,3) == vector(1,2,3)", 1.0),
+            ("1 && vector(1,2,3).y() > 1", 1.0),
+        ] {
+            assert_eq!(value(text), x, "{text}");
+        }
+        let wrong = |t: &str| eval(t, &|_| Ok(1.0)).unwrap_err().message;
+        assert!(wrong("vector(1,2,3) - 1").contains("a vector `-` a number"));
+        assert!(wrong("2 / vector(1,2,3)").contains("`/` is not for these"));
+        assert!(wrong("vector(1,2,3) * vector(1,1,1)").contains("tensor"));
+        assert!(wrong("vector(1,2,3) ^ 2").contains("a vector is needed"));
+        assert!(wrong("vector(1,0,0)^vector(0,1,0)&vector(0,0,1)").contains("a vector is needed"));
+        assert!(wrong("sqr(vector(1,2,3))").contains("a number is needed"));
+        assert!(wrong("vector(1,2)").contains("`vector` with 2 arguments"));
     }
 
     #[test]

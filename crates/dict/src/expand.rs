@@ -262,16 +262,30 @@ impl Parser<'_> {
             Some(Value::Stream(t)) if t.len() == 1 => t[0]
                 .number()
                 .ok_or_else(|| format!("`${name}` is {}, not a number", t[0].describe())),
+            Some(Value::Stream(t)) if t.len() == 3 => {
+                // OpenFOAM puts the text of the list there, and cannot evaluate it.
+                Err(format!("`${name}` is a list, not a number: write `vector(x, y, z)`"))
+            }
             Some(_) => Err(format!("`${name}` is not a number")),
         };
         match arith::eval(text, &look) {
             Ok(r) => {
                 if cpp && r.cut_in_cpp {
                     let d = Diag::warning(whole, "a quotient of whole numbers in `#calc`");
-                    let d = d.label(format!("taken as {} here", crate::writer::number(r.value)));
+                    let value = match r.value {
+                        arith::Quantity::Number(x) => crate::writer::number(x),
+                        arith::Quantity::Vector(v) => v.map(crate::writer::number).join(" "),
+                    };
+                    let d = d.label(format!("taken as {value} here"));
                     self.push(d.help("OpenFOAM compiles this as C++ and cuts the quotient; write `1.0/2` to mean the same in both"));
                 }
-                Some(number_kind(r.value))
+                Some(match r.value {
+                    arith::Quantity::Number(x) => number_kind(x),
+                    arith::Quantity::Vector(v) => {
+                        let of = |x: f64| Token { kind: number_kind(x), span: whole.clone() };
+                        Tok::List(v.map(of).to_vec())
+                    }
+                })
             }
             Err(e) => {
                 let at = (start + e.at).clamp(whole.range.start, whole.range.end);

@@ -419,7 +419,7 @@ impl Flow {
     /// `basis[j + 1] = A directions[j]`, momentum and continuity.
     fn apply_operator(&mut self, j: usize, scales: Scales) {
         let deferred = self.defers_convection();
-        let Flow { exec, mesh, state, numerics, work: w, fluid, two_phase, .. } = self;
+        let Flow { exec, mesh, state, numerics, work: w, fluid, two_phase, sources, .. } = self;
         let n = mesh.n_cells;
         let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
         let share = two_phase.as_ref().and_then(|t| t.share());
@@ -476,6 +476,14 @@ impl Flow {
         w.friction.keep_normal(exec, mesh, &state.u, stress);
         w.friction.add_change(exec, mesh, &state.u, (&z.u, &w.p_prime), stress);
         w.u_eqn.a.apply(exec, &mut z.u, &mut out.u);
+        for frame in sources.iter().filter_map(|s| s.frame()) {
+            let omega = granflow_base::scale(frame.axis, frame.omega.at(state.time));
+            let (rho, volume) = (&w.rho.data, &mesh.volume);
+            frame.zone.each(n, |c| {
+                let turned = granflow_base::cross(omega, z.u[c]);
+                out.u[c] = out.u[c].axpy(rho[c] * volume[c], turned);
+            });
+        }
         let two = two_phase.as_deref_mut();
         w.slopes_of_pressure(exec, mesh, numerics, two, Slopes::OfChange);
         let Coupled { basis, directions, du, gradient, stress, flux, carrier, .. } = &mut w.coupled;

@@ -9,7 +9,7 @@
 
 use crate::time::inertia;
 use crate::work::Work;
-use crate::{Flow, Numerics, State, TwoPhase};
+use crate::{Flow, Numerics, State, TimeScheme, TwoPhase};
 use granflow_base::{Tensor, Value, Vec3, dot};
 use granflow_fv::{Convection, FaceField, Unknown, operators};
 use granflow_mesh::Mesh;
@@ -23,6 +23,9 @@ const MOST_MOBILE: f64 = 1e6;
 /// is that of a single cell near walls and without bounds elsewhere, and the pressure it
 /// preconditions useless. Between 0.03 and 1 the share matters little.
 const WASHED_AWAY: f64 = 0.1;
+/// A short time over the step, for rates of change at boundaries.
+const SHORT: f64 = 1e-3;
+
 /// What a flux is interpolated from.
 pub(crate) struct Interpolated<'a> {
     /// The velocity's conditions.
@@ -217,6 +220,7 @@ impl Flow {
             };
             interpolated_flux(exec, mesh, &of, &mut state.phi);
         }
+        self.take_frames_from(|flow| &mut flow.state.phi);
         self.add_memory(dt, |flow| &mut flow.state.phi);
     }
 
@@ -252,6 +256,7 @@ impl Flow {
             };
             interpolated_flux(exec, mesh, &of, &mut w.phi_star);
         }
+        self.take_frames_from(|flow| &mut flow.work.phi_star);
         self.add_memory(dt, |flow| &mut flow.work.phi_star);
     }
 
@@ -264,37 +269,52 @@ impl Flow {
             c = [c[0], c[0], 0.0];
         }
         self.update_conditions();
-        let Flow { exec, mesh, state, numerics, work: w, .. } = self;
-        let Work { ahead, phi_star: plain, grad_u, flux_weights, .. } = w;
-        ahead.data.fill(0.0);
+        self.work.ahead.data.fill(0.0);
         for (k, older) in [(c[1], false), (-c[2], true)] {
             if k == 0.0 {
                 continue;
             }
-            // The conditions of the time before are gone: the old ones stand in for them.
             let swap = |state: &mut State| {
                 std::mem::swap(&mut state.u.cells.data, &mut state.u_old);
                 std::mem::swap(&mut state.phi.data, &mut state.phi_old);
             };
+            let skewed = self.mesh.is_skewed();
             if older {
-                swap(state);
+                if skewed {
+                    self.go_back_at_boundaries();
+                }
+                swap(&mut self.state);
             }
-            plain_flux(exec, mesh, (&state.u, &state.u.cells.data), flux_weights, plain);
-            if mesh.is_skewed() {
-                numerics.gradient.of(exec, mesh, &state.u, grad_u);
-                operators::add_skew_flux(exec, mesh, 1.0, grad_u, plain);
+            {
+                let Flow { exec, mesh, state, numerics, work: w, .. } = self;
+                let Work { phi_star: plain, grad_u, flux_weights, .. } = w;
+                plain_flux(exec, mesh, (&state.u, &state.u.cells.data), flux_weights, plain);
+                if skewed {
+                    numerics.gradient.of(exec, mesh, &state.u, grad_u);
+                    operators::add_skew_flux(exec, mesh, 1.0, grad_u, plain);
+                }
             }
-            let (phi, plain) = (&state.phi.data, &plain.data);
-            exec.for_each(&mut ahead.data, |first, out| {
+            // Nor did frames turn then as they do now.
+            let then = self.state.time - if older { self.state.dt_old } else { 0.0 };
+            let mut plain = std::mem::take(&mut self.work.phi_star.data);
+            self.take_frames(then, &mut plain);
+            let phi = &self.state.phi.data;
+            self.exec.for_each(&mut self.work.ahead.data, |first, out| {
                 for (i, ahead) in out.iter_mut().enumerate() {
                     let f = first + i;
                     *ahead += k * (phi[f] - plain[f]);
                 }
             });
+            self.work.phi_star.data = plain;
             if older {
-                swap(state);
+                swap(&mut self.state);
+                if skewed {
+                    self.update_conditions();
+                }
             }
         }
+        let Flow { exec, mesh, state, work: w, .. } = self;
+        let ahead = &mut w.ahead;
         // A boundary has a flux of its own where its velocity or its pressure leaves it one.
         let (u, p) = (&state.u, &state.p);
         exec.for_each(&mut ahead.data[mesh.n_inner..], |first, out| {
@@ -303,6 +323,28 @@ impl Flow {
                 *ahead *= open_share(u, b).max(1.0 - p.closure.slope[b]);
             }
         });
+    }
+
+    /// The velocity at boundaries that belongs to the older velocity of the time scheme: gradients of the one need
+    /// the other. That of the present time would leave an error that does not fade with the step, since the
+    /// memory of fluxes is divided by it.
+    ///
+    /// What the Crank-Nicolson scheme has in place of the older velocity is the old one less its rate of change times
+    /// the step: at boundaries that rate is a difference over a short time.
+    fn go_back_at_boundaries(&mut self) {
+        let (time, dt) = (self.state.time, self.state.dt_old);
+        let short = match self.numerics.ddt {
+            TimeScheme::CrankNicolson(_) => SHORT,
+            _ => 1.0,
+        };
+        self.work.boundary_now.copy_from_slice(&self.state.u.closure.offset);
+        self.state.time = time - short * dt;
+        self.update_conditions();
+        self.state.time = time;
+        let now = &self.work.boundary_now;
+        for (then, now) in self.state.u.closure.offset.iter_mut().zip(now) {
+            *then = now.axpy(1.0 / short, then.minus(*now));
+        }
     }
 
     /// Adds to the flux what the old ones were ahead of the old velocities, as far as inertia holds
@@ -360,7 +402,7 @@ impl Work {
                 exec,
                 mesh,
                 (p, &rho.data),
-                (numerics.non_orthogonal, whole),
+                (numerics.slanted(), whole),
                 (grad_p, dp_dn),
             );
         }

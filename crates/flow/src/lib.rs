@@ -6,6 +6,7 @@ mod best;
 mod coarse_cells;
 mod coupled;
 mod failure;
+mod frame;
 mod free_fall;
 mod friction;
 mod interpolation;
@@ -15,7 +16,7 @@ mod momentum;
 mod newton;
 mod predictor;
 mod pressure;
-mod sources;
+pub mod sources;
 mod state;
 mod steady;
 mod step;
@@ -29,8 +30,8 @@ mod work;
 pub use anderson::{Anderson, Limit};
 pub use sources::{MeanVelocity, Porous, SemiImplicit, Source, Zone};
 pub use state::{
-    Fluid, Gravity, LocalSteps, Numerics, Report, ResidualControl, Residuals, Solve, SolveCount,
-    State, StepError, TimeScheme,
+    Fluid, Gravity, LocalSteps, NormalDerivative, Numerics, Report, ResidualControl, Residuals,
+    Solve, SolveCount, State, StepError, TimeScheme,
 };
 pub use step::{Derived, Flow};
 pub use two_phase::{Mixing, Pores, Prescribed, TwoPhase, TwoPhaseParts};

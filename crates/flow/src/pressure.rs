@@ -182,7 +182,7 @@ fn self_correct(
 impl Flow {
     /// Refreshes ghosts and closures of velocity and pressure.
     pub(crate) fn update_conditions(&mut self) {
-        let Flow { exec, mesh, state, work: w, gravity, two_phase, .. } = self;
+        let Flow { exec, mesh, state, work: w, gravity, two_phase, frames, sources, .. } = self;
         let grains = two_phase.as_ref().and_then(|t| t.work.grains.as_ref());
         w.friction.press(mesh, &state.p, (&w.rho.data, gravity.hydrostatic), grains);
         let (mut fraction, mut face_fraction) = (&[][..], &[][..]);
@@ -205,6 +205,7 @@ impl Flow {
             ..Surroundings::default()
         };
         state.u.update(exec, mesh, &around, Some(&state.phi));
+        crate::frame::turn_walls(frames.as_deref(), sources, mesh, state.time, &mut state.u);
         let (rho, dynamic) = (&w.rho.data, &mut w.dynamic_pressure);
         for f in mesh.n_inner..mesh.n_faces() {
             let u = state.u.boundary_value(mesh, f);

@@ -112,6 +112,16 @@ impl Default for ResidualControl {
     }
 }
 
+/// A normal derivative on faces whose line of centres leans.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalDerivative {
+    /// What the correction may be of the whole: 1 corrected, 0.5 at most as much as the difference of
+    /// the cells, 0 none.
+    pub limit: f64,
+    /// Whether that difference is over the distance of the centres, and not over its part along the normal.
+    pub orthogonal: bool,
+}
+
 /// How to solve, never what: from `fvSchemes` and `fvSolution`.
 pub struct Numerics {
     /// Time scheme.
@@ -125,6 +135,9 @@ pub struct Numerics {
     pub limiter: Option<GradientLimiter>,
     /// Non-orthogonal correction: 1 corrected, 0.5 limited, 0 none.
     pub non_orthogonal: f64,
+    /// Normal derivatives of density and fraction on faces, and in momentum that of the pressure beside
+    /// them, where they are not the Laplacian's; of two fluids.
+    pub sn_grad: Option<NormalDerivative>,
     /// Most outer iterations of a step.
     pub outer: usize,
     /// Pressure corrections of a single pass (PISO).

@@ -36,7 +36,7 @@ struct Snapshot {
     /// Velocity and flux one step earlier, and the length of that step.
     older: (Vec<granflow_base::Vec3>, Vec<f64>, f64),
     clock: (f64, usize),
-    sources: Vec<crate::Source>,
+    sources: Vec<Box<dyn crate::Source>>,
 }
 
 impl Flow {

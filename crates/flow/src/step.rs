@@ -29,11 +29,13 @@ pub struct Flow {
     /// The second fluid, where there are two.
     pub two_phase: Option<Box<crate::TwoPhase>>,
     /// Forces on the bulk beside gravity.
-    pub sources: Vec<crate::Source>,
+    pub sources: Vec<Box<dyn crate::Source>>,
     /// Set from outside: a step that is under way is given up before its next outer pass.
     pub stop: Option<Arc<AtomicBool>>,
     /// Hears of every outer pass.
     pub watch: Option<crate::Watch>,
+    /// What turning frames among the sources do to faces.
+    pub(crate) frames: Option<Box<crate::frame::Frames>>,
     pub(crate) level_fixed: bool,
     pub(crate) work: Work,
 }
@@ -68,6 +70,7 @@ impl Flow {
             sources: Vec::new(),
             stop,
             watch,
+            frames: None,
             level_fixed,
             work,
         };

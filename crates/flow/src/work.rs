@@ -85,6 +85,8 @@ pub(crate) struct Work {
     pub(crate) face_fraction: Vec<f64>,
     /// Velocity on boundary faces, m/s.
     pub(crate) face_velocity: Vec<Vec3>,
+    /// The part of it that conditions give at the present time, m/s.
+    pub(crate) boundary_now: Vec<Vec3>,
     pub(crate) reconstruction: Reconstruction,
     /// Sum of the forces at work, from the last momentum residual, N.
     pub(crate) force: f64,
@@ -162,6 +164,7 @@ impl Work {
             dynamic_pressure: vec![0.0; m.n_faces() - m.n_inner],
             face_fraction: vec![0.0; m.n_faces() - m.n_inner],
             face_velocity: vec![[0.0; 3]; m.n_faces() - m.n_inner],
+            boundary_now: vec![[0.0; 3]; m.n_faces() - m.n_inner],
             reconstruction: Reconstruction::new(m),
             force: 0.0,
             coupled: Coupled::new(exec, m),

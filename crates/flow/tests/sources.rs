@@ -12,8 +12,8 @@ use granflow_physics::rheology::{Bingham, Newtonian};
 
 const RHO: f64 = 2.5;
 
-fn held(mean: Vec3) -> Source {
-    Source::MeanVelocity(MeanVelocity {
+fn held(mean: Vec3) -> Box<dyn Source> {
+    Box::new(MeanVelocity {
         name: "channel".into(),
         zone: Zone::All,
         direction: granflow_base::unit(mean),
@@ -83,7 +83,8 @@ fn a_yield_stress_fluid_is_held_too() {
         channel(24, TimeScheme::Steady, 100).flow(local(law), still, |_| free())
     };
     let mut driven = make();
-    driven.sources = vec![Source::SemiImplicit(SemiImplicit {
+    driven.sources = vec![Box::new(SemiImplicit {
+        name: "push".into(),
         zone: Zone::All,
         force: [6.0, 0.0, 0.0],
         drag: 0.0,
@@ -125,8 +126,9 @@ fn a_force_and_a_drag_balance() {
     s.rho = RHO;
     let mut flow = s.flow(local(Newtonian { eta: 0.1 }), still, |_| free());
     let force = [3.0, -1.0, 0.0];
-    let push = |window| SemiImplicit { zone: Zone::All, force, drag: 2.0, window };
-    flow.sources = vec![Source::SemiImplicit(push([0.0, 100.05]))];
+    let push =
+        |window| SemiImplicit { name: "push".into(), zone: Zone::All, force, drag: 2.0, window };
+    flow.sources = vec![Box::new(push([0.0, 100.05]))];
     for _ in 0..1000 {
         flow.step(0.1).expect("a step");
     }
@@ -167,7 +169,8 @@ fn a_porous_block_takes_its_pressure() {
             let (darcy, forchheimer) = ([500.0, 800.0, 800.0], [30.0, 0.0, 0.0]);
             let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
             let zone = Zone::Cells(cells);
-            flow.sources = vec![Source::Porous(Porous { zone, darcy, forchheimer, axes })];
+            flow.sources =
+                vec![Box::new(Porous { name: "hold".into(), zone, darcy, forchheimer, axes })];
             for _ in 0..steps {
                 flow.step(0.05).expect("a step");
             }
@@ -200,13 +203,15 @@ fn a_porous_body_with_leaning_axes_turns_the_flow() {
     let axes = [[k, k, 0.0], [-k, k, 0.0], [0.0, 0.0, 1.0]];
     let force = [6.0, 0.0, 0.0];
     flow.sources = vec![
-        Source::Porous(Porous {
+        Box::new(Porous {
+            name: "hold".into(),
             zone: Zone::All,
             darcy: [2.0, 8.0, 0.0],
             forchheimer: [0.0; 3],
             axes,
         }),
-        Source::SemiImplicit(SemiImplicit {
+        Box::new(SemiImplicit {
+            name: "push".into(),
             zone: Zone::All,
             force,
             drag: 0.0,

@@ -355,6 +355,98 @@ pub fn prism_box(n: [usize; 3], lo: Vec3, hi: Vec3, kinds: [PatchKind; 6]) -> Po
     from_cells(hexes.points, &cells, &named(kinds), |_, f| box_side(n, f))
 }
 
+/// The unit square, 0.1 thick, in `n` rows of bricks, every other of which is half a brick further: cells
+/// with up to eight faces, whose neighbours do not lie opposite each other. Smoothly bent. Patches `sides`
+/// and, empty, `frontAndBack`.
+pub fn brick_plane(n: usize) -> PolyMesh {
+    let ends = |row: usize| -> Vec<usize> {
+        if row.is_multiple_of(2) {
+            (0..=n).map(|i| 2 * i).collect()
+        } else {
+            let mut all = vec![0];
+            all.extend((0..n).map(|i| 2 * i + 1));
+            all.push(2 * n);
+            all
+        }
+    };
+    let (mut points, mut ids) = (Vec::new(), HashMap::new());
+    let mut id = |k: usize, j: usize, layer: usize| {
+        *ids.entry((k, j, layer)).or_insert_with(|| {
+            let (x, y) = (k as f64 / (2 * n) as f64, j as f64 / n as f64);
+            let bend = 0.05 * (std::f64::consts::PI * x).sin() * (std::f64::consts::PI * y).sin();
+            points.push([x + bend, y + bend, 0.1 * layer as f64]);
+            points.len() as u32 - 1
+        })
+    };
+    let mut cells = Vec::new();
+    for row in 0..n {
+        let mine = ends(row);
+        // What the row meets below and above.
+        let line = |j: usize| -> Vec<usize> {
+            let mut all = mine.clone();
+            if (1..n).contains(&j) {
+                all.extend(ends(if j == row { row - 1 } else { row + 1 }));
+            }
+            all.sort_unstable();
+            all.dedup();
+            all
+        };
+        let (below, above) = (line(row), line(row + 1));
+        for pair in mine.windows(2) {
+            let inside = |k: &&usize| (pair[0]..=pair[1]).contains(*k);
+            let mut ring: Vec<(usize, usize)> =
+                below.iter().filter(inside).map(|k| (*k, row)).collect();
+            ring.extend(above.iter().rev().filter(inside).map(|k| (*k, row + 1)));
+            let low: Vec<u32> = ring.iter().map(|(k, j)| id(*k, *j, 0)).collect();
+            let high: Vec<u32> = ring.iter().map(|(k, j)| id(*k, *j, 1)).collect();
+            let mut faces = vec![low.iter().rev().copied().collect(), high.clone()];
+            for v in 0..low.len() {
+                let w = (v + 1) % low.len();
+                faces.push(vec![low[v], low[w], high[w], high[v]]);
+            }
+            cells.push(faces);
+        }
+    }
+    let patches = [("sides", PatchKind::Patch), ("frontAndBack", PatchKind::Empty)];
+    let flat = points.iter().map(|p| p[2]).collect::<Vec<f64>>();
+    from_cells(points, &cells, &patches, |_, face| {
+        usize::from(face.iter().all(|p| flat[*p as usize] == flat[face[0] as usize]))
+    })
+}
+
+/// The unit cube in `n` cubes a side, each of six tetrahedra about its diagonal (H. W. Kuhn, IBM
+/// J. Res. Dev. 4 (1960) 518). One patch, `sides`.
+pub fn tetrahedra(n: usize) -> PolyMesh {
+    let id = |[i, j, k]: [usize; 3]| ((k * (n + 1) + j) * (n + 1) + i) as u32;
+    let mut points = Vec::new();
+    for k in 0..=n {
+        for j in 0..=n {
+            for i in 0..=n {
+                points.push([i, j, k].map(|x| x as f64 / n as f64));
+            }
+        }
+    }
+    let turns = [[0, 1, 2], [1, 2, 0], [2, 0, 1], [0, 2, 1], [1, 0, 2], [2, 1, 0]];
+    let mut cells = Vec::new();
+    for cube in 0..n * n * n {
+        let corner = [cube % n, cube / n % n, cube / (n * n)];
+        for (turn, axes) in turns.iter().enumerate() {
+            let mut at = corner;
+            let mut v = [id(at); 4];
+            for (step, axis) in axes.iter().enumerate() {
+                at[*axis] += 1;
+                v[step + 1] = id(at);
+            }
+            if turn >= 3 {
+                v.swap(1, 2);
+            }
+            let [a, b, c, d] = v;
+            cells.push(vec![vec![a, c, b], vec![a, b, d], vec![a, d, c], vec![b, c, d]]);
+        }
+    }
+    from_cells(points, &cells, &[("sides", PatchKind::Patch)], |_, _| 0)
+}
+
 /// One tetrahedron on the unit axes.
 pub fn tetrahedron() -> PolyMesh {
     let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

@@ -10,7 +10,6 @@ const SOURCES: &[(&str, &str)] = &[
     ("system/fvModels", "source terms (fvModels)"),
     ("constant/fvConstraints", "constraints (fvConstraints)"),
     ("system/fvConstraints", "constraints (fvConstraints)"),
-    ("constant/MRFProperties", "rotating frames (MRF)"),
     ("constant/SRFProperties", "rotating frames (SRF)"),
 ];
 

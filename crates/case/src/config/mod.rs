@@ -4,7 +4,9 @@
 //! and entries get the defaults that each submodule documents.
 
 mod control;
+mod corrections;
 mod forbidden;
+pub(crate) mod mrf;
 mod schemes;
 mod solution;
 pub(crate) mod sources;

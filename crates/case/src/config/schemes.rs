@@ -2,9 +2,10 @@
 //!
 //! Defaults: Euler, Gauss linear, linearUpwind, corrected.
 
+use super::corrections;
 use crate::Notices;
 use granflow_dict::{Dict, Reader, Severity, Sink, TokenReader, nearest};
-use granflow_flow::{LocalSteps, TimeScheme};
+use granflow_flow::{LocalSteps, NormalDerivative, TimeScheme};
 use granflow_fv::{Convection, GradientLimiter, LimiterKind, Shares};
 
 /// How gradients are computed; the mesh makes an operator of it.
@@ -31,6 +32,8 @@ pub struct Schemes {
     pub alpha: Convection,
     /// `laplacianSchemes`: 1 corrected, 0 uncorrected, between: limited.
     pub non_orthogonal: f64,
+    /// `snGradSchemes`, if the case has one; of two fluids.
+    pub sn_grad: Option<NormalDerivative>,
 }
 
 impl Default for Schemes {
@@ -42,6 +45,7 @@ impl Default for Schemes {
             convection: Convection::LinearUpwind,
             alpha: Convection::Limited(LimiterKind::VanLeer(1.0)),
             non_orthogonal: 1.0,
+            sn_grad: None,
         }
     }
 }
@@ -81,11 +85,13 @@ impl Schemes {
         }
         if let Some(sub) = r.opt_sub("laplacianSchemes") {
             let key = first_of(&sub, &["laplacian(nu,U)", "laplacian(mu,U)", "default"]);
-            s.non_orthogonal = key.map_or(s.non_orthogonal, |k| laplacian(&sub, k));
+            s.non_orthogonal =
+                key.map_or(s.non_orthogonal, |k| corrections::laplacian(&sub, k, notices));
             leave(&sub, "laplacian(");
         }
         if let Some(sub) = r.opt_sub("snGradSchemes") {
-            sub.ignore_all();
+            s.sn_grad = corrections::sn_grad(&sub);
+            leave(&sub, "snGrad(");
         }
         if let Some(sub) = r.opt_sub("interpolationSchemes") {
             interpolation(&sub, notices);
@@ -130,7 +136,7 @@ const CONVECTION: [&str; 6] = [
 ];
 
 /// The first key that is there and is not `none`.
-fn first_of<'k>(r: &Reader<'_>, keys: &[&'k str]) -> Option<&'k str> {
+pub(super) fn first_of<'k>(r: &Reader<'_>, keys: &[&'k str]) -> Option<&'k str> {
     let given =
         |k: &&&str| r.raw(k).is_some_and(|t| t.first().and_then(|t| t.word()) != Some("none"));
     keys.iter().find(given).copied()
@@ -249,7 +255,13 @@ fn gradient(
     (kind, limiter)
 }
 
-fn unknown(t: &TokenReader<'_>, at: &granflow_dict::Span, what: &str, word: &str, known: &[&str]) {
+pub(super) fn unknown(
+    t: &TokenReader<'_>,
+    at: &granflow_dict::Span,
+    what: &str,
+    word: &str,
+    known: &[&str],
+) {
     let near = nearest(word, known.iter().copied());
     let near = near.map_or(String::new(), |n| format!("did you mean `{n}`? "));
     let help = format!("{near}known are {}", known.join(", "));
@@ -469,35 +481,6 @@ fn part(t: &mut TokenReader<'_>, notices: &Notices) -> Shares {
     })
 }
 
-fn laplacian(r: &Reader<'_>, key: &str) -> f64 {
-    let Some(mut t) = r.tokens(key) else { return 1.0 };
-    let mut word = t.word("the scheme");
-    if word == "Gauss" {
-        t.word("the interpolation scheme");
-        word = t.word("the correction");
-    }
-    let at = t.last_span();
-    match word {
-        "corrected" | "" => 1.0,
-        "uncorrected" | "orthogonal" => 0.0,
-        "limited" => {
-            if t.peek().is_some_and(|t| t.word() == Some("corrected")) {
-                t.next();
-            }
-            let k = t.number("the limit");
-            if !(0.0..=1.0).contains(&k) {
-                t.error_at(&t.last_span(), "the limit lies between 0 and 1", "out of range", None);
-            }
-            k
-        }
-        _ => {
-            let known = ["corrected", "uncorrected", "limited", "orthogonal"];
-            unknown(&t, &at, "non-orthogonal correction", word, &known);
-            1.0
-        }
-    }
-}
-
 fn interpolation(r: &Reader<'_>, notices: &Notices) {
     for key in r.keys() {
         let Some(word) = r.raw(key).and_then(|t| t.first()).and_then(|t| t.word()) else {
@@ -506,5 +489,27 @@ fn interpolation(r: &Reader<'_>, notices: &Notices) {
         if word != "linear" && word != "none" {
             notices.say(format!("interpolationSchemes: `{word}` is served by `linear`"));
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granflow_dict::parse_str;
+
+    /// There is no divergence of the flux to take out.
+    #[test]
+    fn a_bounded_time_scheme_is_the_one_behind_it() {
+        let read = |scheme: &str| {
+            let (dict, _) = parse_str(&format!("ddtSchemes {{ default {scheme}; }}"));
+            let (sink, notices) = (Sink::new(), Notices::new());
+            let schemes = Schemes::read(&dict, (false, false), &sink, &notices);
+            assert!(sink.take().is_empty(), "{scheme}");
+            schemes.ddt
+        };
+        for scheme in ["Euler", "backward", "CrankNicolson 0.9", "localEuler", "steadyState"] {
+            assert_eq!(read(&format!("bounded {scheme}")), read(scheme));
+        }
+        assert!(read("bounded Euler") != read("bounded backward"));
     }
 }

@@ -1,25 +1,16 @@
 //! `constant/fvOptions` (or `system/fvOptions`): forces on the bulk beside gravity.
 //!
-//! Done are `vectorSemiImplicitSource`, `explicitPorositySource` with `DarcyForchheimer`, and
-//! `meanVelocityForce`; the others are refused by name. In a case with one fluid the forces are per
+//! Done are those of [`ALL`]; the others are refused by name. In a case with one fluid the forces are per
 //! density, as OpenFOAM's solvers for one fluid have them; with two they are forces.
 
 use crate::{CaseError, Zones, files};
-use granflow_base::{Dims, Vec3, cross, dot, norm, scale, sub, unit};
 use granflow_dict::{Reader, Severity, Sink, nearest};
-use granflow_flow::{MeanVelocity, Porous, SemiImplicit, Source, Zone};
+use granflow_flow::sources::{ALL, Given, Source, Zone};
 use granflow_mesh::Mesh;
 use std::path::Path;
 
 /// Where the dictionary may be.
 const FILES: [&str; 2] = ["constant/fvOptions", "system/fvOptions"];
-/// What is done.
-const KINDS: [&str; 4] = [
-    "vectorSemiImplicitSource",
-    "semiImplicitSource",
-    "explicitPorositySource",
-    "meanVelocityForce",
-];
 
 /// Whether the case has such a file.
 pub(crate) fn present(root: &Path) -> bool {
@@ -37,7 +28,7 @@ pub(crate) fn read(
     zones: &Zones,
     (rho, two): (f64, bool),
     sink: &Sink,
-) -> Result<Vec<Source>, CaseError> {
+) -> Result<Vec<Box<dyn Source>>, CaseError> {
     let mut sources = Vec::new();
     let mut found = None;
     for file in FILES {
@@ -61,16 +52,19 @@ pub(crate) fn read(
             let kind = r.word("type").to_owned();
             // Entries stand beside the type, or in a dictionary of their own.
             let inner = r.opt_sub(&format!("{kind}Coeffs"));
-            let of = Of { name, r: inner.as_ref().unwrap_or(&r), outer: &r, mesh, zones, rho, two };
-            match kind.as_str() {
-                "vectorSemiImplicitSource" | "semiImplicitSource" => of.semi_implicit(&mut sources),
-                "explicitPorositySource" => of.porous(&mut sources),
-                "meanVelocityForce" => of.mean_velocity(&mut sources),
-                "" => {}
-                _ => {
-                    let near = nearest(&kind, KINDS);
+            let of = inner.as_ref().unwrap_or(&r);
+            match ALL.iter().find(|e| e.names.contains(&kind.as_str())) {
+                Some(entry) => {
+                    let zone = zone(of, &r, zones);
+                    let of = Given { name, r: of, outer: &r, mesh, zone, rho, two };
+                    sources.extend((entry.read)(&of));
+                }
+                None if kind.is_empty() => {}
+                None => {
+                    let known: Vec<&str> = ALL.iter().flat_map(|e| e.names).copied().collect();
+                    let near = nearest(&kind, known.iter().copied());
                     let near = near.map_or(String::new(), |n| format!("did you mean `{n}`? "));
-                    let help = format!("{near}there are {}; or add `active no;`", KINDS.join(", "));
+                    let help = format!("{near}there are {}; or add `active no;`", known.join(", "));
                     let message = format!("the source `{kind}` is not done here");
                     r.error_at_key("type", message, "not available", Some(&help));
                     r.ignore_all();
@@ -92,235 +86,28 @@ pub(crate) fn read(
     Ok(sources)
 }
 
-/// One entry and what it refers to.
-struct Of<'r, 'd> {
-    name: &'r str,
-    r: &'r Reader<'d>,
-    outer: &'r Reader<'d>,
-    mesh: &'r Mesh,
-    zones: &'r Zones,
-    rho: f64,
-    /// Whether there are two phases.
-    two: bool,
-}
-
-impl<'d> Of<'_, 'd> {
-    /// The reader that has `key`.
-    fn with(&self, key: &str) -> &Reader<'d> {
-        if self.r.has(key) { self.r } else { self.outer }
-    }
-
-    /// `selectionMode`.
-    fn zone(&self) -> Zone {
-        let r = self.with("selectionMode");
-        let modes = [("all", 0), ("cellZone", 1), ("cellSet", 2), ("points", 3)];
-        let key = match r.one_of("selectionMode", &modes) {
-            0 => return Zone::All,
-            1 => "cellZone",
-            2 => "cellSet",
-            _ => {
-                let help = Some("write `cellZone` and make one with system/topoSetDict");
-                r.error_at_key("selectionMode", "`points` is not done here", "set here", help);
-                return Zone::All;
-            }
-        };
-        let r = self.with(key);
-        let name = r.word(key).to_owned();
-        let known = self.zones.get(&name).is_some();
-        let cells = self.zones.expect(r, key, &name).to_vec();
-        if known && cells.is_empty() {
-            let help = Some("no centre of a cell lies within it: look at system/topoSetDict");
-            r.error_at_key(key, format!("the zone `{name}` has no cells"), "empty", help);
+/// Where a source acts: `selectionMode`, in the dictionary of its type or around it.
+fn zone<'d>(inner: &Reader<'d>, outer: &Reader<'d>, zones: &Zones) -> Zone {
+    let with = |key: &str| if inner.has(key) { inner } else { outer };
+    let r = with("selectionMode");
+    let modes = [("all", 0), ("cellZone", 1), ("cellSet", 2), ("points", 3)];
+    let key = match r.one_of("selectionMode", &modes) {
+        0 => return Zone::All,
+        1 => "cellZone",
+        2 => "cellSet",
+        _ => {
+            let help = Some("write `cellZone` and make one with system/topoSetDict");
+            r.error_at_key("selectionMode", "`points` is not done here", "set here", help);
+            return Zone::All;
         }
-        Zone::Cells(cells)
-    }
-
-    /// `timeStart` and `duration`: first and last time.
-    fn window(&self) -> [f64; 2] {
-        let start = self.with("timeStart").maybe_scalar("timeStart", Dims::TIME);
-        let lasts = self.with("duration").maybe_scalar("duration", Dims::TIME);
-        match start {
-            None => [f64::NEG_INFINITY, f64::INFINITY],
-            Some(start) => [start, start + lasts.unwrap_or(f64::INFINITY)],
-        }
-    }
-
-    /// Refuses a window where the source acts all the time.
-    fn always(&self) {
-        for key in ["timeStart", "duration"] {
-            let r = self.with(key);
-            if r.has(key) {
-                let help = Some("remove it, or run the times before without the source");
-                r.error_at_key(key, "this source acts all the time", "not available", help);
-            }
-        }
-    }
-
-    /// Volume of the zone, m3.
-    fn volume(&self, zone: &Zone) -> f64 {
-        let volume = &self.mesh.volume;
-        match zone {
-            Zone::All => volume[..self.mesh.n_cells].iter().sum(),
-            Zone::Cells(cells) => {
-                let mut here = vec![false; self.mesh.n_cells];
-                cells.iter().for_each(|c| here[*c as usize] = true);
-                let of = |c: usize| here[self.mesh.global_cell[c] as usize];
-                (0..self.mesh.n_cells).filter(|c| of(*c)).map(|c| volume[c]).sum()
-            }
-        }
-    }
-
-    fn semi_implicit(&self, sources: &mut Vec<Source>) {
-        let (r, zone) = (self.r, self.zone());
-        let window = self.window();
-        let absolute = r.one_of("volumeMode", &[("specific", false), ("absolute", true)]);
-        let per = self.rho / if absolute { self.volume(&zone) } else { 1.0 };
-        let Some(rates) = r.sub("injectionRateSuSp") else { return };
-        if rates.keys().is_empty() {
-            let help = Some("write `U ((x y z) 0);` in it");
-            r.error_at_key("injectionRateSuSp", "no force is given", "empty", help);
-        }
-        for key in rates.keys() {
-            let Some(mut t) = rates.tokens(key) else { continue };
-            if key != "U" {
-                let help = Some("forces act on `U`");
-                rates.error_at_key(
-                    key,
-                    format!("there is no equation of `{key}`"),
-                    "not known",
-                    help,
-                );
-                continue;
-            }
-            let Some(mut pair) = t.list("force and drag, `((x y z) 0)`") else { continue };
-            let force = scale(pair.vector("the force"), per);
-            // OpenFOAM's rate of the implicit part is that of growth.
-            let drag = -pair.number("the rate of the implicit part") * per;
-            pair.finish();
-            if drag < 0.0 {
-                let help = Some("a drag is negative: `((x y z) -5)`");
-                rates.error_at_key(key, "a force that grows with the velocity", "positive", help);
-            }
-            sources.push(Source::SemiImplicit(SemiImplicit {
-                zone: zone.clone(),
-                force,
-                drag,
-                window,
-            }));
-        }
-    }
-
-    fn porous(&self, sources: &mut Vec<Source>) {
-        let zone = self.zone();
-        self.always();
-        let r = self.r;
-        let model = if r.has("type") { r.word("type") } else { "DarcyForchheimer" };
-        if !matches!(model, "DarcyForchheimer" | "explicitPorositySource") {
-            let help = Some("there is `DarcyForchheimer`");
-            let message = format!("the porous body `{model}` is not done here");
-            r.error_at_key("type", message, "not available", help);
-            r.ignore_all();
-            return;
-        }
-        let inner = r.opt_sub("DarcyForchheimerCoeffs");
-        let of = inner.as_ref().unwrap_or(r);
-        let darcy = positive(of.vector("d", Dims::LENGTH.mul(Dims::LENGTH).inv()));
-        let forchheimer = positive(of.vector("f", Dims::LENGTH.inv()));
-        for key in ["mu", "rho", "nu", "U"] {
-            of.ignore(key);
-        }
-        let axes = axes(of);
-        if let Some(inner) = &inner {
-            inner.finish(Severity::Error);
-        }
-        sources.push(Source::Porous(Porous { zone, darcy, forchheimer, axes }));
-    }
-
-    fn mean_velocity(&self, sources: &mut Vec<Source>) {
-        let (r, zone) = (self.r, self.zone());
-        self.always();
-        for key in ["fields", "fieldNames"] {
-            r.ignore(key);
-        }
-        let mean = r.vector("Ubar", Dims::VELOCITY);
-        if norm(mean) == 0.0 || !norm(mean).is_finite() {
-            let message = "the mean velocity has no direction";
-            r.error_at_key(
-                "Ubar",
-                message,
-                "zero, or beyond numbers",
-                Some("leave the source out"),
-            );
-        }
-        if (0..3).any(|k| mean[k] != 0.0 && !self.mesh.solved_dirs[k]) {
-            let message = "the mean velocity points where the mesh has no cells side by side";
-            r.error_at_key("Ubar", message, "out of the plane", None);
-        }
-        if self.two {
-            let message = "a held mean velocity is for one fluid";
-            let help = Some("give the force: `vectorSemiImplicitSource`");
-            self.outer.error_at_key("type", message, "two phases", help);
-        }
-        let relaxation = r.opt_in_range("relaxation", Dims::NONE, 1e-3..=1.0, 1.0);
-        sources.push(Source::MeanVelocity(MeanVelocity {
-            name: self.name.to_owned(),
-            zone,
-            direction: unit(mean),
-            mean: norm(mean),
-            relaxation,
-            gradient: 0.0,
-            start: 0.0,
-            last: None,
-            response: None,
-        }));
-    }
-}
-
-/// A negative coefficient is that many times the greatest.
-fn positive(v: Vec3) -> Vec3 {
-    let most = v.iter().copied().fold(0.0, f64::max);
-    v.map(|x| if x < 0.0 { -x * most } else { x })
-}
-
-/// The axes of `coordinateSystem`: `e1` and `e2` (or `e3`), perhaps in `rotation`, or those of space.
-fn axes(r: &Reader<'_>) -> [Vec3; 3] {
-    let own = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let Some(system) = r.opt_sub("coordinateSystem") else { return own };
-    for key in ["type", "origin"] {
-        system.ignore(key);
-    }
-    let turned = system.opt_sub("rotation").or_else(|| {
-        system.entry("coordinateRotation").and_then(|_| system.opt_sub("coordinateRotation"))
-    });
-    let of = turned.as_ref().unwrap_or(&system);
-    let kind = of.opt_word("type", "axes");
-    let (e1, e2, e3) = (
-        of.maybe_vector("e1", Dims::NONE),
-        of.maybe_vector("e2", Dims::NONE),
-        of.maybe_vector("e3", Dims::NONE),
-    );
-    let found = match (e1, e2, e3) {
-        _ if kind == "none" => Some(own),
-        (None, None, None) if kind == "axes" => Some(own),
-        (Some(a), Some(b), _) => right_handed(a, b),
-        (None, Some(b), Some(c)) => right_handed(b, c).map(|[b, c, a]| [a, b, c]),
-        (Some(a), None, Some(c)) => right_handed(c, a).map(|[c, a, b]| [a, b, c]),
-        _ => None,
     };
-    of.ignore_all();
-    system.ignore_all();
-    found.unwrap_or_else(|| {
-        let help = Some(
-            "give two of them: `coordinateSystem { origin (0 0 0); e1 (1 0 0); e2 (0 1 0); }`",
-        );
-        r.error_at_key("coordinateSystem", "the axes are not given", "needs two axes", help);
-        own
-    })
-}
-
-/// Unit vectors along `a`, along `b` as far as it is perpendicular to `a`, and along `a x b`.
-fn right_handed(a: Vec3, b: Vec3) -> Option<[Vec3; 3]> {
-    let a = unit(a);
-    let b = sub(b, scale(a, dot(a, b)));
-    (norm(a) > 0.0 && norm(b) > 0.0).then(|| [a, unit(b), cross(a, unit(b))])
+    let r = with(key);
+    let name = r.word(key).to_owned();
+    let known = zones.get(&name).is_some();
+    let cells = zones.expect(r, key, &name).to_vec();
+    if known && cells.is_empty() {
+        let help = Some("no centre of a cell lies within it: look at system/topoSetDict");
+        r.error_at_key(key, format!("the zone `{name}` has no cells"), "empty", help);
+    }
+    Zone::Cells(cells)
 }

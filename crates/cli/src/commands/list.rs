@@ -300,9 +300,19 @@ const SCHEMES: &[(&str, &str, &str, &str)] = &[
         "H. Jasak, H. G. Weller, A. D. Gosman, Int. J. Numer. Meth. Fluids 31 (1999) 431",
     ),
     ("correction", "corrected", "full non-orthogonal correction of the normal gradient", JASAK),
-    ("correction", "limited", "the given part of the correction, `limited 0.5`", JASAK),
+    (
+        "correction",
+        "limited",
+        "the correction up to a multiple of the cells' difference, `limited 0.5` or `limited corrected 0.5`",
+        JASAK,
+    ),
     ("correction", "uncorrected", "no non-orthogonal correction", JASAK),
-    ("correction", "orthogonal", "no non-orthogonal correction", JASAK),
+    (
+        "correction",
+        "orthogonal",
+        "the difference over the distance of the centres; as a Laplacian it is `uncorrected`",
+        JASAK,
+    ),
 ];
 const HIRSCH: &str = "C. Hirsch, Numerical Computation of Internal and External Flows, 1988";
 const FERZIGER: &str = "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 4";

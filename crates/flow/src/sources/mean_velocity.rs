@@ -1,9 +1,9 @@
 //! The pressure gradient that keeps the mean velocity at a given value (`meanVelocityForce`): channels
 //! with cyclic ends.
 
-use super::{Source, Zone};
+use super::{Entry, Given, Seen, Source, Zone, three};
 use crate::{Flow, Residuals};
-use granflow_base::{Value, Vec3, dot};
+use granflow_base::{Dims, Value, Vec3, dot, norm, unit};
 use granflow_fv::operators;
 use granflow_mesh::PatchKind;
 
@@ -23,7 +23,7 @@ pub struct MeanVelocity {
     pub direction: Vec3,
     /// Mean velocity along it, m/s.
     pub mean: f64,
-    /// Share of the correction that a single pass takes.
+    /// Share of the correction that a pass takes.
     pub relaxation: f64,
     /// The force per volume, N/m3: part of a restart.
     pub gradient: f64,
@@ -35,10 +35,72 @@ pub struct MeanVelocity {
     pub start: f64,
 }
 
-impl MeanVelocity {
-    pub(super) fn add(&self, n: usize, body: &mut [Vec3]) {
+impl Source for MeanVelocity {
+    fn name(&self) -> &str {
+        &self.name
+    }
+    fn kind(&self) -> &'static str {
+        ENTRY.names[0]
+    }
+    fn zone(&self) -> &Zone {
+        &self.zone
+    }
+    fn zone_mut(&mut self) -> &mut Zone {
+        &mut self.zone
+    }
+    fn says(&self, number: &dyn Fn(f64) -> String) -> String {
+        let mean = three(self.direction.scaled(self.mean), number);
+        format!("what holds a mean velocity of {mean} m/s")
+    }
+    fn add(&self, _: &Seen<'_>, n: usize, body: &mut [Vec3], _: &mut [f64]) {
         self.zone.each(n, |c| body[c] = body[c].axpy(self.gradient, self.direction));
     }
+    fn held(&self) -> Option<&MeanVelocity> {
+        Some(self)
+    }
+    fn held_mut(&mut self) -> Option<&mut MeanVelocity> {
+        Some(self)
+    }
+    fn boxed(&self) -> Box<dyn Source> {
+        Box::new(self.clone())
+    }
+}
+
+pub(super) const ENTRY: Entry =
+    Entry { names: &["meanVelocityForce"], summary: "what holds a mean velocity", read };
+
+fn read(of: &Given<'_, '_>) -> Vec<Box<dyn Source>> {
+    let r = of.r;
+    of.always();
+    for key in ["fields", "fieldNames"] {
+        r.ignore(key);
+    }
+    let mean = r.vector("Ubar", Dims::VELOCITY);
+    if norm(mean) == 0.0 || !norm(mean).is_finite() {
+        let message = "the mean velocity has no direction";
+        r.error_at_key("Ubar", message, "zero, or beyond numbers", Some("leave the source out"));
+    }
+    if (0..3).any(|k| mean[k] != 0.0 && !of.mesh.solved_dirs[k]) {
+        let message = "the mean velocity points where the mesh has no cells side by side";
+        r.error_at_key("Ubar", message, "out of the plane", None);
+    }
+    if of.two {
+        let message = "a held mean velocity is for one fluid";
+        let help = Some("give the force: `vectorSemiImplicitSource`");
+        of.outer.error_at_key("type", message, "two phases", help);
+    }
+    let relaxation = r.opt_in_range("relaxation", Dims::NONE, 1e-3..=1.0, 1.0);
+    vec![Box::new(MeanVelocity {
+        name: of.name.to_owned(),
+        zone: of.zone.clone(),
+        direction: unit(mean),
+        mean: norm(mean),
+        relaxation,
+        gradient: 0.0,
+        start: 0.0,
+        last: None,
+        response: None,
+    })]
 }
 
 impl Flow {
@@ -60,11 +122,11 @@ impl Flow {
     pub(crate) fn move_to_mean_velocity(&mut self) {
         for k in 0..self.sources.len() {
             let Some((lacks, _)) = self.lack_of_mean(k) else { continue };
-            let Source::MeanVelocity(m) = &self.sources[k] else { continue };
+            let Some(m) = self.sources[k].held() else { continue };
             let response = self.mean_over(&m.zone, |c| self.work.r_at.data[c]);
             let Flow { mesh, state, work: w, sources, .. } = self;
             let (r_at, u) = (&w.r_at.data, &mut state.u.cells.data);
-            if let Source::MeanVelocity(m) = &mut sources[k] {
+            if let Some(m) = sources[k].held_mut() {
                 let (change, direction) = (m.relaxation * lacks / response, m.direction);
                 m.zone.each(mesh.n_cells, |c| u[c] = u[c].axpy(r_at[c] * change, direction));
                 m.gradient += change;
@@ -81,7 +143,7 @@ impl Flow {
         let mut changed = false;
         for k in 0..self.sources.len() {
             let Some((lacks, mean)) = self.lack_of_mean(k) else { continue };
-            let Source::MeanVelocity(m) = &self.sources[k] else { continue };
+            let Some(m) = self.sources[k].held() else { continue };
             let near = NEAR * (lacks / m.mean).abs().min(1.0);
             let control = &self.numerics.control;
             if residuals.u > near.max(control.u)
@@ -94,10 +156,10 @@ impl Flow {
                 .filter(|r| r.is_finite() && *r > 0.0)
                 .or(m.response)
                 .unwrap_or_else(|| self.first_response(&m.zone, dt));
-            if let Source::MeanVelocity(m) = &mut self.sources[k] {
+            if let Some(m) = self.sources[k].held_mut() {
                 m.last = Some([m.gradient, mean]);
                 m.response = Some(response);
-                m.gradient += lacks / response;
+                m.gradient += m.relaxation * lacks / response;
                 changed = true;
             }
         }
@@ -107,7 +169,7 @@ impl Flow {
     /// What the mean velocity of source `k` lacks, and the mean, m/s; none where it is held, and of
     /// other sources.
     fn lack_of_mean(&self, k: usize) -> Option<(f64, f64)> {
-        let Source::MeanVelocity(m) = &self.sources[k] else { return None };
+        let m = self.sources[k].held()?;
         let u = &self.state.u.cells.data;
         let mean = self.mean_over(&m.zone, |c| dot(u[c], m.direction));
         let lacks = m.mean - mean;
@@ -123,7 +185,7 @@ impl Flow {
         for k in 0..self.sources.len() {
             let Some((_, mean)) = self.lack_of_mean(k) else { continue };
             let Flow { exec, mesh, state, sources, .. } = self;
-            let Source::MeanVelocity(m) = &sources[k] else { continue };
+            let Some(m) = sources[k].held() else { continue };
             if m.gradient != 0.0 || mean != 0.0 {
                 continue;
             }
@@ -131,6 +193,7 @@ impl Flow {
             m.zone.each(mesh.n_cells, |c| u[c] = plug);
             mesh.halo.update(exec, u);
             operators::flux(exec, mesh, &state.u, &state.u.cells.data, &mut state.phi);
+            self.take_frames_from(|flow| &mut flow.state.phi);
             self.update_conditions();
         }
     }
@@ -138,10 +201,10 @@ impl Flow {
     /// A gradient to begin with, at the viscosity as it stands, where there is none yet.
     pub(crate) fn guess_mean_gradient(&mut self, dt: f64) {
         for k in 0..self.sources.len() {
-            let Source::MeanVelocity(m) = &self.sources[k] else { continue };
+            let Some(m) = self.sources[k].held() else { continue };
             if m.gradient == 0.0 {
                 let guess = m.mean / self.first_response(&m.zone, dt);
-                if let Source::MeanVelocity(m) = &mut self.sources[k] {
+                if let Some(m) = self.sources[k].held_mut() {
                     m.gradient = guess;
                 }
             }

@@ -1,18 +1,35 @@
 //! Forces on the bulk beside gravity: what OpenFOAM calls fvOptions.
 //!
 //! Every source adds a force per volume `body - sink U` to momentum: the sink is implicit. To add one:
-//! a file here, a line in [`Source`] and where it is applied, and its reader in `case/config/sources.rs`.
+//! a file here with its [`Entry`], and a line in [`ALL`].
 
+mod frame;
+mod given;
 mod mean_velocity;
 mod porous;
 mod semi_implicit;
 
+pub use frame::RotatingFrame;
+pub use given::Given;
 pub use mean_velocity::MeanVelocity;
 pub use porous::Porous;
 pub use semi_implicit::SemiImplicit;
 
 use crate::Flow;
 use granflow_base::{Value, Vec3};
+
+/// A source in a case: the names of its type, and what reads it.
+pub struct Entry {
+    /// The types in `fvOptions` that it serves, the usual one first.
+    pub names: &'static [&'static str],
+    /// What it does.
+    pub summary: &'static str,
+    /// Reads one entry of `fvOptions`: a source for every force in it. Mistakes go to the reader's sink.
+    pub read: fn(&Given<'_, '_>) -> Vec<Box<dyn Source>>,
+}
+
+/// All sources.
+pub const ALL: &[Entry] = &[semi_implicit::ENTRY, porous::ENTRY, mean_velocity::ENTRY];
 
 /// The cells that a source acts on, by their numbers on this rank.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,25 +51,61 @@ impl Zone {
 }
 
 /// A force on the bulk.
-#[derive(Clone, Debug)]
-pub enum Source {
-    /// Given, perhaps less a drag.
-    SemiImplicit(SemiImplicit),
-    /// Drag of a porous body.
-    Porous(Porous),
-    /// As much as a given mean velocity takes.
-    MeanVelocity(MeanVelocity),
+pub trait Source: Send + Sync {
+    /// The name of its entry.
+    fn name(&self) -> &str;
+    /// Its type, as `fvOptions` has it.
+    fn kind(&self) -> &'static str;
+    /// Where it acts.
+    fn zone(&self) -> &Zone;
+    /// The same, to be made that of one rank.
+    fn zone_mut(&mut self) -> &mut Zone;
+    /// What it does, for a person: `a force of (1 0 0) N/m3`, with numbers as `number` writes them.
+    fn says(&self, number: &dyn Fn(f64) -> String) -> String;
+    /// Adds force per volume (N/m3) and sink (kg/(m3 s)) in its zone, of a mesh with `n` cells.
+    fn add(&self, seen: &Seen<'_>, n: usize, body: &mut [Vec3], sink: &mut [f64]);
+    /// Whether it stays as it is from one time to another, s.
+    fn stays(&self, _from: f64, _to: f64) -> bool {
+        true
+    }
+    /// The held mean velocity, where it is one: its force follows from the flow.
+    fn held(&self) -> Option<&MeanVelocity> {
+        None
+    }
+    /// The same, to be moved.
+    fn held_mut(&mut self) -> Option<&mut MeanVelocity> {
+        None
+    }
+    /// The turning frame, where it is one: fluxes and walls turn too.
+    fn frame(&self) -> Option<&RotatingFrame> {
+        None
+    }
+    /// A copy.
+    fn boxed(&self) -> Box<dyn Source>;
+}
+
+impl Clone for Box<dyn Source> {
+    fn clone(&self) -> Self {
+        self.boxed()
+    }
 }
 
 /// What a source sees.
-pub(crate) struct Seen<'a> {
-    pub(crate) time: f64,
+pub struct Seen<'a> {
+    /// Time, s.
+    pub time: f64,
     /// Velocity in the cells, m/s.
-    pub(crate) u: &'a [Vec3],
+    pub u: &'a [Vec3],
     /// Density, kg/m3.
-    pub(crate) rho: &'a [f64],
+    pub rho: &'a [f64],
     /// Viscosity, Pa s.
-    pub(crate) eta: &'a [f64],
+    pub eta: &'a [f64],
+}
+
+/// A vector for a person.
+fn three(v: Vec3, number: &dyn Fn(f64) -> String) -> String {
+    let [x, y, z] = v.map(number);
+    format!("({x} {y} {z})")
 }
 
 impl Flow {
@@ -77,29 +130,21 @@ impl Flow {
         });
         let seen =
             Seen { time: state.time, u: &state.u.cells.data, rho: &w.rho.data, eta: &w.eta.data };
-        for source in sources {
-            match source {
-                Source::SemiImplicit(s) => s.add(&seen, n, body, sink),
-                Source::Porous(s) => s.add(&seen, n, body, sink),
-                Source::MeanVelocity(s) => s.add(n, body),
-            }
-        }
+        sources.iter().for_each(|s| s.add(&seen, n, body, sink));
     }
 
     /// At the beginning of a step: what holds a mean velocity remembers where it stood.
     pub(crate) fn begin_sources(&mut self) {
-        for source in &mut self.sources {
-            if let Source::MeanVelocity(m) = source {
-                // What a restart does not know the next step may not either.
-                (m.start, m.last, m.response) = (m.gradient, None, None);
-            }
+        for m in self.sources.iter_mut().filter_map(|s| s.held_mut()) {
+            // What a restart does not know the next step may not either.
+            (m.start, m.last, m.response) = (m.gradient, None, None);
         }
     }
 
     /// Lets `before` be what a step that is taken back goes back to.
-    pub(crate) fn remember_sources(&mut self, before: &[Source]) {
+    pub(crate) fn remember_sources(&mut self, before: &[Box<dyn Source>]) {
         for (now, before) in self.sources.iter_mut().zip(before) {
-            if let (Source::MeanVelocity(now), Source::MeanVelocity(before)) = (now, before) {
+            if let (Some(now), Some(before)) = (now.held_mut(), before.held()) {
                 now.start = before.gradient;
             }
         }
@@ -107,31 +152,19 @@ impl Flow {
 
     /// Back to the beginning of the step.
     pub(crate) fn rollback_sources(&mut self) {
-        for source in &mut self.sources {
-            if let Source::MeanVelocity(m) = source {
-                (m.gradient, m.last) = (m.start, None);
-            }
+        for m in self.sources.iter_mut().filter_map(|s| s.held_mut()) {
+            (m.gradient, m.last) = (m.start, None);
         }
     }
 
     /// Whether the sources stay as they are from now to the time `end`.
     pub(crate) fn sources_stay(&self, end: f64) -> bool {
         let now = self.state.time;
-        self.sources.iter().all(|s| match s {
-            Source::SemiImplicit(SemiImplicit { window: [first, last], .. }) => {
-                let on = *first <= now && *last >= end;
-                on || *last < now || *first > end
-            }
-            Source::Porous(_) | Source::MeanVelocity(_) => true,
-        })
+        self.sources.iter().all(|s| s.stays(now, end))
     }
 
     /// Pressure gradients that hold mean velocities, in the order of the sources, Pa/m.
     pub fn mean_gradients(&self) -> Vec<f64> {
-        let of = |s: &Source| match s {
-            Source::MeanVelocity(m) => Some(m.gradient),
-            _ => None,
-        };
-        self.sources.iter().filter_map(of).collect()
+        self.sources.iter().filter_map(|s| s.held()).map(|m| m.gradient).collect()
     }
 }

@@ -6,7 +6,7 @@
 //! from gradients of p and of rho apart: where every face balances, so does every correction.
 
 use super::TwoPhase;
-use crate::{Flow, State};
+use crate::{Flow, NormalDerivative, Numerics, State};
 use granflow_base::{Dims, Tensor, Value, Vec3, apply, dot, inverse_symmetric, norm, scale, unit};
 use granflow_fv::{Differentiable, FaceField, Reconstruction, Unknown};
 use granflow_mesh::Mesh;
@@ -26,6 +26,29 @@ pub(crate) struct FaceForces {
     /// `(sum e e^T)^-1` with e the unit vectors of the differences.
     fit: Vec<Tensor>,
     rebuild: Reconstruction,
+}
+
+/// How normal derivatives are taken where the line of centres leans.
+#[derive(Clone, Copy)]
+pub(crate) struct Slanted {
+    /// Of the pressure.
+    pressure: NormalDerivative,
+    /// Of the jumps, that is of density and fraction.
+    jumps: NormalDerivative,
+}
+
+impl Numerics {
+    /// Where continuity is solved: the pressure's is that of a Laplacian.
+    pub(crate) fn slanted(&self) -> Slanted {
+        let pressure = NormalDerivative { limit: self.non_orthogonal, orthogonal: false };
+        Slanted { pressure, jumps: self.sn_grad.unwrap_or(pressure) }
+    }
+
+    /// Where momentum is.
+    pub(crate) fn slanted_in_momentum(&self) -> Slanted {
+        let jumps = self.slanted().jumps;
+        Slanted { pressure: jumps, jumps }
+    }
 }
 
 impl FaceForces {
@@ -56,10 +79,10 @@ impl FaceForces {
         }
     }
 
-    /// The imbalance of the pressure `p` on every face; none where the velocity is given.
-    /// `limit` as for [`granflow_fv::operators::non_orthogonal_flux`].
-    pub(crate) fn balance(&mut self, exec: &Exec, mesh: &Mesh, p: &Unknown<f64>, limit: f64) {
-        self.balance_jumps(exec, mesh, p, limit, 1.0);
+    /// The imbalance of the pressure `p` on every face; none where the velocity is given. `how` its normal
+    /// derivative and that of the jumps are taken.
+    pub(crate) fn balance(&mut self, exec: &Exec, mesh: &Mesh, p: &Unknown<f64>, how: Slanted) {
+        self.balance_jumps(exec, mesh, p, how, 1.0);
     }
 
     /// The same with `share` of the jumps that weight and surface tension ask for.
@@ -68,24 +91,45 @@ impl FaceForces {
         exec: &Exec,
         mesh: &Mesh,
         p: &Unknown<f64>,
-        limit: f64,
+        how: Slanted,
         share: f64,
+    ) {
+        let Slanted { pressure, jumps } = how;
+        self.imbalance.fill(0.0);
+        // Taken alike, they are taken together: where every face balances, so does every correction.
+        if pressure == jumps {
+            return self.add_slopes(exec, mesh, (Some(p), share), pressure);
+        }
+        self.add_slopes(exec, mesh, (Some(p), 0.0), pressure);
+        if share != 0.0 {
+            self.add_slopes(exec, mesh, (None, share), jumps);
+        }
+    }
+
+    /// Adds the normal derivative of a pressure less `share` of the jumps, on every face.
+    fn add_slopes(
+        &mut self,
+        exec: &Exec,
+        mesh: &Mesh,
+        (p, share): (Option<&Unknown<f64>>, f64),
+        how: NormalDerivative,
     ) {
         let FaceForces { jump, imbalance, open, gradient, fit, .. } = self;
         let (jump, open) = (&jump.data, &open[..]);
-        let jump = |f: usize| share * jump[f];
         let difference = |f: usize| {
             let o = mesh.owner[f] as usize;
-            match mesh.neighbour.get(f) {
-                Some(&n) => p.cells.data[n as usize] - p.cells.data[o] - jump(f),
-                None if open[f - mesh.n_inner] => {
-                    p.boundary_value(mesh, f) - p.cells.data[o] - jump(f)
-                }
-                None => 0.0,
+            let of = |p: &Unknown<f64>| match mesh.neighbour.get(f) {
+                Some(&n) => p.cells.data[n as usize] - p.cells.data[o],
+                None => p.boundary_value(mesh, f) - p.cells.data[o],
+            };
+            if f < mesh.n_inner || open[f - mesh.n_inner] {
+                p.map_or(0.0, of) - share * jump[f]
+            } else {
+                0.0
             }
         };
         // Beyond, corrections that lag behind would grow.
-        let limit = if mesh.max_nonorth_deg > STEEPEST { limit.min(0.5) } else { limit };
+        let limit = if mesh.max_nonorth_deg > STEEPEST { how.limit.min(0.5) } else { how.limit };
         let leaning = !gradient.is_empty() && limit > 0.0;
         if leaning {
             exec.for_each(&mut gradient[..mesh.n_cells], |first, out| {
@@ -105,8 +149,11 @@ impl FaceForces {
         exec.for_each(imbalance, |first, out| {
             for (i, b) in out.iter_mut().enumerate() {
                 let f = first + i;
-                let compact = difference(f) * mesh.inv_dist[f];
-                *b = compact;
+                let compact = match how.orthogonal && f < mesh.n_inner {
+                    true => difference(f) / norm(mesh.delta[f]),
+                    false => difference(f) * mesh.inv_dist[f],
+                };
+                *b += compact;
                 let closed = f >= mesh.n_inner && !open[f - mesh.n_inner];
                 if !leaning || closed {
                     continue;
@@ -136,10 +183,10 @@ impl FaceForces {
         exec: &Exec,
         mesh: &Mesh,
         (p, rho): (&Unknown<f64>, &[f64]),
-        (limit, whole): (f64, bool),
+        (how, whole): (Slanted, bool),
         (cells, faces): (&mut [Vec3], &mut [f64]),
     ) {
-        self.balance_jumps(exec, mesh, p, limit, if whole { 1.0 } else { 0.0 });
+        self.balance_jumps(exec, mesh, p, how, if whole { 1.0 } else { 0.0 });
         faces.copy_from_slice(&self.imbalance);
         let forces = &*self;
         exec.for_each(&mut cells[..mesh.n_cells], |first, out| {
@@ -263,6 +310,72 @@ impl Flow {
         let jump = &t.forces.jump.data[mesh.n_inner..];
         for (b, gradient) in t.forces.wall_gradient.iter_mut().enumerate() {
             *gradient = jump[b] * mesh.inv_dist[mesh.n_inner + b];
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use granflow_fv::conditions::{FixedValue, ZeroGradient};
+    use granflow_fv::{Condition, Surroundings};
+    use granflow_mesh::{PatchKind, shapes};
+
+    /// Slope of the line of centres of one face of a sheared box, of the pressure `x` and of the jump `-2 x`.
+    fn slopes(how: Slanted) -> [f64; 2] {
+        let exec = Exec::serial();
+        let (lo, hi) = ([0.0; 3], [1.0; 3]);
+        let sheared = |[x, y, z]: Vec3| [x + 0.75 * y, y, z];
+        let kinds = shapes::all(PatchKind::Patch);
+        let m = Mesh::new(&shapes::mapped_box([4; 3], lo, hi, kinds, sheared)).expect("sound");
+        let exact = |f: usize| m.face_centre[f][0];
+        let given = m.patches.iter().map(|p| -> Box<dyn Condition<f64>> {
+            Box::new(FixedValue::per_face(p.faces.clone().map(exact).collect()))
+        });
+        let mut p = Unknown::new(&m, "p", Dims::PRESSURE, 0.0, given.collect());
+        (0..m.n_cells).for_each(|c| p.cells.data[c] = m.cell_centre[c][0]);
+        p.update(&exec, &m, &Surroundings::default(), None);
+        let free = m.patches.iter().map(|_| Box::new(ZeroGradient) as Box<dyn Condition<f64>>);
+        let still = Unknown::new(&m, "p", Dims::PRESSURE, 0.0, free.collect());
+        // Between cells above each other, in the middle of the box.
+        let inside = |c: u32| m.faces_of(c as usize).all(|(f, _)| f < m.n_inner);
+        let across =
+            |f: &usize| m.normal(*f)[1] > 0.9 && inside(m.owner[*f]) && inside(m.neighbour[*f]);
+        let f = (0..m.n_inner).find(across).expect("a face");
+        let mut forces = FaceForces::new(&m, &p);
+        forces.balance(&exec, &m, &p, how);
+        let of_pressure = forces.imbalance[f];
+        for f in 0..m.n_faces() {
+            let here = m.cell_centre[m.owner[f] as usize][0];
+            let there = m.neighbour.get(f).map_or(exact(f), |n| m.cell_centre[*n as usize][0]);
+            forces.jump.data[f] = -2.0 * (there - here);
+        }
+        forces.open.fill(true);
+        forces.balance(&exec, &m, &still, how);
+        [of_pressure, forces.imbalance[f]]
+    }
+
+    /// Centres one above the other are 0.25 apart along the normal, 0.1875 across, and 0.3125 in all; the
+    /// normal derivative of x is none.
+    #[test]
+    fn normal_derivatives_of_pressure_and_of_jumps() {
+        let plain = |limit| NormalDerivative { limit, orthogonal: false };
+        let [whole, none, half] = [1.0, 0.0, 0.5].map(plain);
+        let along = NormalDerivative { limit: 0.0, orthogonal: true };
+        let third = plain(0.25);
+        for (pressure, jumps, expected) in [
+            (whole, whole, [0.0, 0.0]),
+            (whole, none, [0.0, 2.0 * 0.75]),
+            (none, whole, [0.75, 0.0]),
+            (whole, along, [0.0, 2.0 * 0.6]),
+            (along, along, [0.6, 2.0 * 0.6]),
+            // A half lets all of a correction through that is as large as the difference.
+            (half, none, [0.0, 1.5]),
+            (whole, third, [0.0, 2.0 * 0.75 * (1.0 - 1.0 / 3.0)]),
+        ] {
+            let found = slopes(Slanted { pressure, jumps });
+            let off = (0..2).map(|k| (found[k] - expected[k]).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-12, "{pressure:?}, {jumps:?}: {found:?}, not {expected:?}");
         }
     }
 }

@@ -77,7 +77,7 @@ impl Flow {
         let Flow { exec, mesh, state, numerics, work: w, two_phase, .. } = self;
         let Some(two) = two_phase else { return };
         let TwoPhase { work: t, .. } = &mut **two;
-        t.forces.balance(exec, mesh, &state.p, numerics.non_orthogonal);
+        t.forces.balance(exec, mesh, &state.p, numerics.slanted_in_momentum());
         let (b, forces, volume) = (&w.u_eqn.b, &t.forces, &mesh.volume);
         exec.for_each(&mut w.b, |first, out| {
             for (i, rhs) in out.iter_mut().enumerate() {

@@ -132,6 +132,21 @@ impl Flow {
                 *phi += memory / dt * ahead[f];
             }
         });
+        self.take_frames_from_base();
+    }
+
+    /// The flux relative to frames that turn.
+    fn take_frames_from_base(&mut self) {
+        if self.frames.is_none() {
+            return;
+        }
+        let Some(two) = &mut self.two_phase else { return };
+        let mut base = std::mem::take(&mut two.work.base.data);
+        let time = self.state.time;
+        self.take_frames(time, &mut base);
+        if let Some(two) = &mut self.two_phase {
+            two.work.base.data = base;
+        }
     }
 
     /// Solves for a change of pressure and adds it; its flux is left in `work.phi_star`, what it
@@ -143,7 +158,7 @@ impl Flow {
         let Some(two) = two_phase else { return Ok((nothing, 0.0)) };
         let TwoPhase { work: t, .. } = &mut **two;
         let n = mesh.n_cells;
-        t.forces.balance(exec, mesh, &state.p, numerics.non_orthogonal);
+        t.forces.balance(exec, mesh, &state.p, numerics.slanted());
         let (base, r, imbalance) = (&t.base.data, &w.r_a_f.data, &t.forces.imbalance);
         exec.for_each(&mut w.phi_star.data, |first, out| {
             for (i, phi) in out.iter_mut().enumerate() {

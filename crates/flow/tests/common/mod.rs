@@ -50,6 +50,7 @@ pub fn numerics(outer: usize, correctors: usize) -> Numerics {
         gradient: Gradient::GaussLinear,
         limiter: None,
         non_orthogonal: 1.0,
+        sn_grad: None,
         outer,
         correctors,
         non_orthogonal_correctors: 0,

@@ -26,6 +26,7 @@ pub fn numerics(correctors: usize) -> Numerics {
         gradient: Gradient::GaussLinear,
         limiter: None,
         non_orthogonal: 1.0,
+        sn_grad: None,
         outer: 1,
         correctors,
         non_orthogonal_correctors: 0,

@@ -23,13 +23,7 @@ impl<T: Value> Condition<T> for ExprFixedValue {
         closure.fix(T::ZERO);
         let Some(formula) = &mut self.formula else { return };
         for (i, o) in closure.offset.iter_mut().enumerate() {
-            let time = view.around.time;
-            let place = Place { position: view.centre[i], area: view.area[i], time };
-            let value: T = match formula.at(&place) {
-                Quantity::Scalar(x) => of_components(&[x]),
-                Quantity::Vector(v) => of_components(&v),
-            };
-            *o = value.scaled(self.factor);
+            *o = value_at::<T, T>(formula, view, i).scaled(self.factor);
         }
     }
     fn fixes_value(&self) -> bool {
@@ -50,17 +44,30 @@ pub(super) const ENTRY: Entry = Entry {
 
 fn read<T: Value>(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<T>> {
     leave_value(r);
-    let text = r.string("valueExpr");
-    let variables: Vec<&str> = match r.has("variables") {
-        true => definitions(r),
-        false => Vec::new(),
-    };
-    let formula = match Formula::new(&variables, text, T::N == 3) {
+    let formula = formula(r, "valueExpr", &variables(r), T::N == 3);
+    let entries = entries(r, &["variables", "valueExpr"]);
+    Box::new(ExprFixedValue { formula, factor: c.factor, entries })
+}
+
+/// The definitions under `variables`.
+pub(super) fn variables<'a>(r: &Reader<'a>) -> Vec<&'a str> {
+    if r.has("variables") { definitions(r) } else { Vec::new() }
+}
+
+/// The formula under `key`, of a vector or a number; `None` where it is wrong, which is said.
+pub(super) fn formula(
+    r: &Reader<'_>,
+    key: &str,
+    variables: &[&str],
+    vector: bool,
+) -> Option<Formula> {
+    let text = r.string(key);
+    match Formula::new(variables, text, vector) {
         Ok(formula) => Some(formula),
         Err((place, e)) => {
             if !text.is_empty() {
                 let (key, what) = match place {
-                    None => ("valueExpr", text),
+                    None => (key, text),
                     Some(k) => ("variables", variables[k]),
                 };
                 let message = format!("the formula `{what}` cannot be evaluated");
@@ -68,10 +75,22 @@ fn read<T: Value>(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<T>>
             }
             None
         }
-    };
-    let given = |k: &str| Some((k.to_owned(), raw_text(r.dict().get(k)?)));
-    let entries = ["variables", "valueExpr"].into_iter().filter_map(given).collect();
-    Box::new(ExprFixedValue { formula, factor: c.factor, entries })
+    }
+}
+
+/// The entries `keys` as they were given.
+pub(super) fn entries(r: &Reader<'_>, keys: &[&str]) -> Vec<(String, String)> {
+    let given = |k: &&str| Some(((*k).to_owned(), raw_text(r.dict().get(k)?)));
+    keys.iter().filter_map(given).collect()
+}
+
+/// The value of a formula on face `i` of a patch.
+pub(super) fn value_at<T: Value, U>(formula: &mut Formula, view: &PatchView<'_, U>, i: usize) -> T {
+    let time = view.around.time;
+    match formula.at(&Place { position: view.centre[i], area: view.area[i], time }) {
+        Quantity::Scalar(x) => of_components(&[x]),
+        Quantity::Vector(v) => of_components(&v),
+    }
 }
 
 /// `("a = 1" "b = 2*a")`, or one text with `;` between them.

@@ -7,9 +7,10 @@ use super::{
     Condition, ConstantAlphaContactAngle, ContactLimit, CoulombFriction, FixedFluxPressure,
     FixedGradient, FixedValue, FlowRate, FlowRateInlet, FlowRateOutlet, InletOutlet, LocalFluidity,
     OfPatchType, PatchContext, PrghPressure, Reason, RotatingWall, Slip, VariableHeightFlowRate,
-    VariableHeightFlowRateInlet, WaveAlpha, WaveVelocity, ZeroGradient, expression, freestream,
-    hydrostatic, mapped, mean, mixed, moving_wall, normal_part, pressure_inlet, profile, refused,
-    surface_normal, swirl, total_pressure, uniform,
+    VariableHeightFlowRateInlet, WaveAlpha, WaveVelocity, ZeroGradient, expression,
+    expression_mixed, freestream, hydrostatic, mapped, mean, mixed, moving_wall, normal_part,
+    phase_mean, pressure_inlet, profile, refused, scaled, surface_normal, swirl, total_pressure,
+    uniform,
 };
 use crate::time_function::TimeFunction;
 use granflow_base::{Dims, Value, Vec3, norm, unit};
@@ -183,6 +184,9 @@ pub const ALL: &[Entry] = &[
     profile::ENTRY,
     mapped::ENTRY,
     expression::ENTRY,
+    expression_mixed::ENTRY,
+    scaled::ENTRY,
+    phase_mean::ENTRY,
     mean::FIXED_MEAN,
     mean::OUTLET_INLET,
     normal_part::OUTLET_INLET,

@@ -5,11 +5,18 @@ use crate::text::number;
 use granflow_case::Case;
 use granflow_case::config::{GradientKind, LinearSolve};
 use granflow_case::files::exists;
-use granflow_flow::TimeScheme;
+use granflow_flow::{NormalDerivative, TimeScheme};
 
 /// Whether a notice is about schemes or solvers.
 pub(super) fn is_of(notice: &str) -> bool {
-    let of = ["fvSolution", "fvSchemes", "gradSchemes", "divSchemes", "interpolationSchemes"];
+    let of = [
+        "fvSolution",
+        "fvSchemes",
+        "gradSchemes",
+        "divSchemes",
+        "laplacianSchemes",
+        "interpolationSchemes",
+    ];
     of.iter().any(|f| notice.starts_with(f))
 }
 
@@ -48,6 +55,17 @@ pub(super) fn say(case: &Case, mapped: &[String], page: &mut Page) {
         0.0 => ", non-orthogonal faces not corrected".to_owned(),
         k => format!(", non-orthogonal faces corrected up to {}", number(k)),
     };
+    if let (Some(how), Some(_)) = (schemes.sn_grad, &case.config.transport.second)
+        && angle >= 0.05
+        && how != (NormalDerivative { limit: schemes.non_orthogonal, orthogonal: false })
+    {
+        text += &format!(", density and fraction on faces {}", named(how));
+        page.warn(
+            "snGradSchemes are not laplacianSchemes: pressure and weight do not balance on faces that lean, \
+             and still fluids move"
+                .to_owned(),
+        );
+    }
     page.say("schemes", text);
     if schemes.non_orthogonal == 0.0 && angle > 5.0 {
         page.warn(format!(
@@ -84,6 +102,16 @@ pub(super) fn say(case: &Case, mapped: &[String], page: &mut Page) {
     );
     for notice in mapped {
         page.say("mapped", notice);
+    }
+}
+
+/// As the dictionary has it.
+fn named(how: NormalDerivative) -> String {
+    match how {
+        NormalDerivative { orthogonal: true, .. } => "orthogonal".to_owned(),
+        NormalDerivative { limit: 1.0, .. } => "corrected".to_owned(),
+        NormalDerivative { limit: 0.0, .. } => "uncorrected".to_owned(),
+        NormalDerivative { limit, .. } => format!("limited {}", number(limit)),
     }
 }
 

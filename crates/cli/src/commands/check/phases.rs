@@ -48,7 +48,22 @@ pub(super) fn say(case: &Case, page: &mut Page) {
     };
     page.say("gravity", text);
     for source in &case.sources {
-        page.say("source", of_source(source, case.mesh.n_cells));
+        page.say("source", of_source(source.as_ref(), case.mesh.n_cells));
+    }
+    for (k, one) in case.sources.iter().enumerate() {
+        for other in &case.sources[..k] {
+            if one.kind() == other.kind()
+                && one.name() != other.name()
+                && meet(one.zone(), other.zone())
+            {
+                page.warn(format!(
+                    "`{}` and `{}` are both a {} and share cells: there they add up",
+                    other.name(),
+                    one.name(),
+                    one.kind()
+                ));
+            }
+        }
     }
     let unit = match (case.start.kinematic(), case.pressure_factor()) {
         (false, _) => "Pa".to_owned(),
@@ -60,31 +75,23 @@ pub(super) fn say(case: &Case, page: &mut Page) {
 }
 
 /// A force on the bulk and where it acts.
-fn of_source(source: &Source, all: usize) -> String {
-    let three = |v: [f64; 3]| {
-        let [x, y, z] = v.map(number);
-        format!("({x} {y} {z})")
-    };
-    let (what, zone) = match source {
-        Source::SemiImplicit(s) => {
-            let drag = match s.drag {
-                0.0 => String::new(),
-                drag => format!(" less {} kg/(m3 s) times U", number(drag)),
-            };
-            (format!("a force of {} N/m3{drag}", three(s.force)), &s.zone)
-        }
-        Source::Porous(s) => {
-            let coefficients = format!("d {} 1/m2, f {} 1/m", three(s.darcy), three(s.forchheimer));
-            (format!("a porous body, {coefficients}"), &s.zone)
-        }
-        Source::MeanVelocity(s) => {
-            let mean = s.direction.map(|d| d * s.mean);
-            (format!("what holds a mean velocity of {} m/s", three(mean)), &s.zone)
-        }
-    };
-    match zone {
+fn of_source(source: &dyn Source, all: usize) -> String {
+    let what = source.says(&number);
+    match source.zone() {
         Zone::All => format!("{what}, in all cells"),
         Zone::Cells(cells) => format!("{what}, in {} of {all} cells", cells.len()),
+    }
+}
+
+/// Whether two zones have a cell in common.
+fn meet(a: &Zone, b: &Zone) -> bool {
+    match (a, b) {
+        (Zone::Cells(a), Zone::Cells(b)) => {
+            let of: std::collections::HashSet<u32> = a.iter().copied().collect();
+            b.iter().any(|c| of.contains(c))
+        }
+        (Zone::All, Zone::Cells(c)) | (Zone::Cells(c), Zone::All) => !c.is_empty(),
+        (Zone::All, Zone::All) => true,
     }
 }
 

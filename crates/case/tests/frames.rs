@@ -1,0 +1,111 @@
+//! Frames that turn (`MRFProperties`): on one rank and on three, over a restart, and what is refused.
+
+#![allow(clippy::unwrap_used, reason = "tests")]
+
+mod common;
+
+use common::*;
+use granflow_mesh::shapes;
+use std::path::Path;
+
+const U: &str = "dimensions [0 1 -1 0 0 0 0]; internalField uniform (0 0 0); boundaryField {
+    inner { type noSlip; } outer { type noSlip; }
+    start { type cyclic; } end { type cyclic; } bottom { type slip; } top { type slip; } }";
+const P: &str = "dimensions [0 2 -2 0 0 0 0]; internalField uniform 0; boundaryField {
+    start { type cyclic; } end { type cyclic; } \".*\" { type zeroGradient; } }";
+const FRAME: &str = "rotor { cellZone rotor; active yes; nonRotatingPatches (bottom top);
+    origin (0 0 0); axis (0 0 1); omega table ((0 1) (1 3)); }";
+const ZONES: &str = "actions ( { name rotor; type cellSet; action new; source cylinderToCell;
+    p1 (0 0 -1); p2 (0 0 2); radius 0.75; } );";
+
+/// A quarter of a ring whose inner wall turns with the zone around it.
+fn ring(scheme: &str) -> tempfile::TempDir {
+    let poly = shapes::annular_sector(0.5, 1.0, [8, 12, 1], 4);
+    let control = CONTROL.replace("endTime 0.1", "endTime 0.2");
+    let files = [
+        ("system/controlDict", control.as_str()),
+        ("system/fvSchemes", &format!("ddtSchemes {{ default {scheme}; }}")),
+        (
+            "system/fvSolution",
+            "solvers { \"(U|p)\" { solver PBiCGStab; preconditioner DILU; tolerance 1e-13; } }",
+        ),
+        ("system/topoSetDict", ZONES),
+        ("constant/transportProperties", "nu [0 2 -1 0 0 0 0] 0.01;\n"),
+        ("constant/MRFProperties", FRAME),
+        ("0/U", U),
+        ("0/p", P),
+    ];
+    case(&files, Some(&poly))
+}
+
+fn numbers(root: &Path, file: &str) -> Vec<f64> {
+    let text = read(root, file).replace(['(', ')', ';'], " ");
+    text.split_whitespace().filter_map(|w| w.parse().ok()).collect()
+}
+
+fn apart(a: &Path, b: &Path, file: &str) -> f64 {
+    let (a, b) = (numbers(a, file), numbers(b, file));
+    assert_eq!(a.len(), b.len(), "{file}");
+    let size = a.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    a.iter().zip(&b).fold(0.0f64, |m, (x, y)| m.max((x - y).abs())) / size
+}
+
+#[test]
+fn three_ranks_turn_as_one() {
+    let (one, three) = (ring("Euler"), ring("Euler"));
+    run(one.path(), &until(0.1));
+    run(three.path(), &granflow_case::Options { ranks: 3, ..until(0.1) });
+    for file in ["0.1/U", "0.1/p", "0.1/phi"] {
+        let off = apart(one.path(), three.path(), file);
+        assert!(off < 1e-8, "{file}: {off:e}");
+    }
+    // The zone moves what is in it.
+    let still = ring("Euler");
+    put(still.path(), "constant/MRFProperties", &FRAME.replace("yes", "no"));
+    run(still.path(), &until(0.1));
+    assert!(apart(one.path(), still.path(), "0.1/U") > 0.1);
+}
+
+#[test]
+fn a_restart_goes_on_to_the_last_bit() {
+    for scheme in ["Euler", "backward", "CrankNicolson 0.9"] {
+        let (whole, parts) = (ring(scheme), ring(scheme));
+        run(whole.path(), &until(0.2));
+        run(parts.path(), &until(0.1));
+        run(parts.path(), &until(0.2));
+        assert_same(whole.path(), parts.path(), "0.2");
+    }
+}
+
+#[test]
+fn frames_that_cannot_be_are_refused() {
+    let said = |from: &str, to: &str| {
+        let dir = ring("Euler");
+        assert!(FRAME.contains(from), "{from}");
+        put(dir.path(), "constant/MRFProperties", &FRAME.replace(from, to));
+        load_errors(dir.path())
+    };
+    assert!(said("cellZone rotor", "cellZone roter").contains("did you mean `rotor`?"));
+    assert!(said("(bottom top)", "(botom top)").contains("did you mean `bottom`?"));
+    let open = said("(bottom top)", "(top)");
+    assert!(open.contains("the patch `bottom` lies in the zone and is no wall"), "{open}");
+    assert!(said("axis (0 0 1)", "axis (0 0 0)").contains("no direction"));
+    assert!(said("origin", "orign").contains("`origin`"));
+    assert!(said("active yes;", "active yes; speed 3;").contains("unknown entry `speed`"));
+}
+
+#[test]
+fn a_zone_that_is_not_round_is_told() {
+    let dir = ring("Euler");
+    put(
+        dir.path(),
+        "system/topoSetDict",
+        "actions ( { name rotor; type cellSet; action new; source boxToCell;
+            box (0 0 -1) (0.6 0.6 2); } );",
+    );
+    let (sink, notices) = (granflow_dict::Sink::new(), granflow_case::Notices::new());
+    let options = granflow_case::Options::default();
+    granflow_case::Case::load(dir.path(), &options, &sink, &notices).unwrap();
+    let said = sink.take().to_string();
+    assert!(said.contains("is not round about its axis"), "{said}");
+}
