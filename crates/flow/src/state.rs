@@ -120,11 +120,15 @@ pub struct Numerics {
     pub convection: Convection,
     /// Cell gradients.
     pub gradient: Gradient,
+    /// The same of the pressure.
+    pub gradient_p: Gradient,
     /// Limiter of the gradient that convection extrapolates with; pressure and stress have theirs
     /// whole.
     pub limiter: Option<GradientLimiter>,
     /// Non-orthogonal correction: 1 corrected, 0.5 limited, 0 none.
     pub non_orthogonal: f64,
+    /// Whether a single pass has the forms of OpenFOAM's PISO solvers in place of ours.
+    pub compatible: bool,
     /// Most outer iterations of a step.
     pub outer: usize,
     /// Pressure corrections of a single pass (PISO).

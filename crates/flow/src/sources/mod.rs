@@ -63,9 +63,10 @@ impl Flow {
 
     /// Force per volume and sink of the flow as it stands, into `work.body` and `work.sink`.
     pub(crate) fn apply_sources(&mut self) {
-        if !self.has_sources() {
+        if !self.has_sources() && !self.numerics.compatible {
             return;
         }
+        let compatible = self.numerics.compatible;
         let Flow { exec, mesh, state, work: w, sources, gravity, .. } = self;
         let n = mesh.n_cells;
         let (body, sink) = (&mut w.body.data, &mut w.sink.data);
@@ -80,7 +81,7 @@ impl Flow {
         for source in sources {
             match source {
                 Source::SemiImplicit(s) => s.add(&seen, n, body, sink),
-                Source::Porous(s) => s.add(&seen, n, body, sink),
+                Source::Porous(s) => s.add(&seen, n, compatible, body, sink),
                 Source::MeanVelocity(s) => s.add(n, body),
             }
         }

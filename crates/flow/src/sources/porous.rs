@@ -20,17 +20,27 @@ pub struct Porous {
 
 impl Porous {
     /// The greatest of the three drags is implicit, what the others are short of it is not: with it on
-    /// the diagonal nothing overshoots.
-    pub(super) fn add(&self, seen: &Seen<'_>, n: usize, body: &mut [Vec3], sink: &mut [f64]) {
+    /// the diagonal nothing overshoots. What is `compatible` has the sum of the three there.
+    pub(super) fn add(
+        &self,
+        seen: &Seen<'_>,
+        n: usize,
+        compatible: bool,
+        body: &mut [Vec3],
+        sink: &mut [f64],
+    ) {
         self.zone.each(n, |c| {
             let u = seen.u[c];
             let dynamic = 0.5 * seen.rho[c] * norm(u);
             let drag = |k: usize| seen.eta[c] * self.darcy[k] + dynamic * self.forchheimer[k];
             let drags = [drag(0), drag(1), drag(2)];
-            let most = drags.iter().copied().fold(0.0, f64::max);
-            sink[c] += most;
+            let implicit = match compatible {
+                true => drags.iter().sum(),
+                false => drags.iter().copied().fold(0.0, f64::max),
+            };
+            sink[c] += implicit;
             for (axis, drag) in self.axes.iter().zip(drags) {
-                body[c] = body[c].axpy((most - drag) * dot(u, *axis), *axis);
+                body[c] = body[c].axpy((implicit - drag) * dot(u, *axis), *axis);
             }
         });
     }
