@@ -291,7 +291,12 @@ pub(crate) fn task(args: &[String]) -> Result<bool, String> {
 }
 
 /// Runs a program in `dir`, its words to `log` there, and returns its seconds.
-fn logged(words: &[&str], program: Option<&Path>, dir: &Path, log: &str) -> Result<f64, String> {
+pub(crate) fn logged(
+    words: &[&str],
+    program: Option<&Path>,
+    dir: &Path,
+    log: &str,
+) -> Result<f64, String> {
     let mut command = run::logged_command(words, program, dir, log)?;
     let begun = Instant::now();
     let status = command.status().map_err(|e| format!("`{}`: {e}", words.join(" ")))?;
@@ -340,8 +345,7 @@ impl Tutorial {
         let theirs = bench::copy_case(from, &format!("{}-theirs", self.name()))?;
         let ours = bench::copy_case(from, &format!("{}-ours", self.name()))?;
         for case in [&theirs, &ours] {
-            self.fill_templates(case)?;
-            self.edit(case)?;
+            self.make_ready(case)?;
         }
         for (i, line) in self.prepare.iter().enumerate() {
             let words: Vec<&str> = line.split(' ').collect();
@@ -378,6 +382,12 @@ impl Tutorial {
             println!("| {} | {t:.4} | {row} | {moved} |", self.path);
         }
         Ok(())
+    }
+
+    /// What every copy of the tutorial has done to it.
+    pub(crate) fn make_ready(&self, case: &Path) -> Result<(), String> {
+        self.fill_templates(case)?;
+        self.edit(case)
     }
 
     /// Files that a tutorial's script makes of its templates.

@@ -1,7 +1,9 @@
-//! The laminar tutorials of one fluid through both programs, compared cell by cell; see `compare`.
+//! The laminar tutorials of one fluid through both programs, compared cell by cell; see `compare`. Ours runs
+//! twice, with its own forms and, by `compatible yes;`, with the peer's; and where single cells differ, once
+//! more on a finer mesh, which says whose answer is nearer.
 
-use crate::compare::{Start, Tutorial};
-use crate::{bench, foam_field as field};
+use crate::compare::{Start, Tutorial, logged};
+use crate::{bench, finer, foam_field as field};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -57,6 +59,78 @@ pub(crate) const TUTORIALS: &[Tutorial] = &[
     plain("nonNewtonianIcoFoam/offsetCylinder", 2.0, 0.5),
 ];
 
+/// How many times finer, in both directions of the plane and in time, the mesh is that ours is run on besides:
+/// by path and label.
+const FINER: &[(&str, &str, usize)] = &[
+    ("icoFoam/cavity/cavity", " nu = 0.001", 4),
+    ("icoFoam/elbow", "", 4),
+    ("pisoFoam/laminar/porousBlockage", "", 4),
+    ("nonNewtonianIcoFoam/offsetCylinder", "", 2),
+];
+
+fn times_finer(t: &Tutorial) -> Option<usize> {
+    FINER.iter().find(|f| (f.0, f.1) == (t.path, t.label)).map(|f| f.2)
+}
+
+/// Where the case of `who` is.
+fn place(t: &Tutorial, who: &str) -> PathBuf {
+    bench::scratch_place(&format!("{}-{who}", t.name()))
+}
+
+/// Ours once more with the peer's forms.
+fn run_alike(t: &Tutorial, from: &Path, granflow: &Path) -> Result<(), String> {
+    let case = bench::copy_case(from, &format!("{}-alike", t.name()))?;
+    t.make_ready(&case)?;
+    t.hand_over(&place(t, "theirs"), &case)?;
+    let schemes = case.join("system/fvSchemes");
+    let text = fs::read_to_string(&schemes).map_err(|e| format!("fvSchemes: {e}"))?;
+    fs::write(&schemes, text + "\ncompatible yes;\n").map_err(|e| format!("fvSchemes: {e}"))?;
+    logged(&["granflow", "run", ".", "-j", "1"], Some(granflow), &case, "log.run").map(|_| ())
+}
+
+/// Ours once more on cells and with steps a `k`-th as long, all by its own means; which coarse cell each of the
+/// cells lies in is left in `parents`.
+fn run_finer(t: &Tutorial, k: usize, from: &Path, granflow: &Path) -> Result<(), String> {
+    let case = bench::copy_case(from, &format!("{}-finer", t.name()))?;
+    t.make_ready(&case)?;
+    finer::shorten_steps(&case, k)?;
+    let parents = if t.start == Start::Mesh {
+        t.hand_over(&place(t, "theirs"), &case)?;
+        finer::divide_triangles(&case.join("constant/polyMesh"), k.ilog2())?
+    } else {
+        let dict = case.join("system/blockMeshDict");
+        if !dict.is_file() {
+            logged(&["gunzip", "system/blockMeshDict.gz"], None, &case, "log.gunzip")?;
+        }
+        finer::divide_blocks(&dict, k)?
+    };
+    let lines: Vec<String> = parents.iter().map(usize::to_string).collect();
+    fs::write(case.join("parents"), lines.join("\n")).map_err(|e| format!("parents: {e}"))?;
+    logged(&["granflow", "run", ".", "-j", "1"], Some(granflow), &case, "log.run").map(|_| ())
+}
+
+/// Everything that `rows` reads.
+fn run(t: &Tutorial, from: &Path, granflow: &Path) -> Result<(), String> {
+    t.run(from, granflow)?;
+    run_alike(t, from, granflow)?;
+    times_finer(t).map_or(Ok(()), |k| run_finer(t, k, from, granflow))
+}
+
+/// The answer of the finer mesh on the coarse one.
+fn averaged(t: &Tutorial, time: f64, n: usize) -> Result<Option<Vec<[f64; 3]>>, String> {
+    if times_finer(t).is_none() {
+        return Ok(None);
+    }
+    let case = place(t, "finer");
+    let text = fs::read_to_string(case.join("parents")).map_err(|e| format!("parents: {e}"))?;
+    let parents: Vec<usize> = text.lines().filter_map(|l| l.parse().ok()).collect();
+    let fine = field::vectors(&time_dir(&case, time)?.join("U"), parents.len())?;
+    if fine.len() != parents.len() {
+        return Err(format!("{} cells on the finer mesh, not {}", fine.len(), parents.len()));
+    }
+    Ok(Some(finer::means(&parents, &fine, n)))
+}
+
 /// Runs and compares what is asked for; says whether all of it could be.
 pub(crate) fn compare(
     examples: &Path,
@@ -65,13 +139,14 @@ pub(crate) fn compare(
     asked: impl Fn(&&Tutorial) -> bool,
 ) -> bool {
     println!(
-        "| tutorial | t, s | U: greatest and mean difference, of the peak | p: mean difference, of the range |"
+        "| tutorial | t, s | U: greatest and mean difference, of the peak | p: mean difference, of the range | \
+         U, `compatible` | p, `compatible` | U from the finer mesh's, root mean square: ours, theirs |"
     );
-    println!("|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|");
     let mut complete = true;
     for t in TUTORIALS.iter().filter(|t| asked(t)) {
         let from = examples.join("incompressible").join(t.path);
-        let ran = if again { Ok(()) } else { t.run(&from, granflow) };
+        let ran = if again { Ok(()) } else { run(t, &from, granflow) };
         if let Err(why) = ran.and_then(|()| rows(t)) {
             println!("| {}{} | not compared: {why} |", t.path, t.label);
             complete = false;
@@ -83,22 +158,39 @@ pub(crate) fn compare(
 
 /// A row for each time that both programs wrote.
 fn rows(t: &Tutorial) -> Result<(), String> {
-    let [ours, theirs] =
-        ["ours", "theirs"].map(|who| bench::scratch_place(&format!("{}-{who}", t.name())));
-    let volume = field::scalars(&theirs.join("0/V"), 0)?;
+    let volume = field::scalars(&place(t, "theirs").join("0/V"), 0)?;
     for k in 1..=(t.end / t.interval).round() as usize {
         let time = k as f64 * t.interval;
-        let [a, b] = [time_dir(&ours, time)?, time_dir(&theirs, time)?];
-        let [u, v] = [&a, &b].map(|dir| field::vectors(&dir.join("U"), volume.len()));
-        let [p, q] = [&a, &b].map(|dir| field::scalars(&dir.join("p"), volume.len()));
-        println!(
-            "| {}{} | {time:.4} | {} |",
-            t.path,
-            t.label,
-            row(&volume, (&u?, &v?), (&p?, &q?))
-        );
+        let of = |who: &str| -> Result<_, String> {
+            let dir = time_dir(&place(t, who), time)?;
+            let u = field::vectors(&dir.join("U"), volume.len())?;
+            Ok((u, field::scalars(&dir.join("p"), volume.len())?))
+        };
+        let (ours, alike, theirs) = (of("ours")?, of("alike")?, of("theirs")?);
+        let [own, same] =
+            [&ours, &alike].map(|a| row(&volume, (&a.0, &theirs.0), (&a.1, &theirs.1)));
+        let off = match averaged(t, time, volume.len())? {
+            Some(fine) => {
+                let [a, b] = [&ours, &theirs].map(|who| distance(&volume, &who.0, &fine));
+                format!("{:.2} %, {:.2} %", 100.0 * a, 100.0 * b)
+            }
+            None => "-".into(),
+        };
+        println!("| {}{} | {time:.4} | {own} | {same} | {off} |", t.path, t.label);
     }
     Ok(())
+}
+
+fn size(a: [f64; 3]) -> f64 {
+    a.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Root mean square of `u - v` over the volume, of the peak of `v`.
+fn distance(volume: &[f64], u: &[[f64; 3]], v: &[[f64; 3]]) -> f64 {
+    let off = |c: usize| size([0, 1, 2].map(|k| u[c][k] - v[c][k]));
+    let square: f64 = volume.iter().enumerate().map(|(c, w)| w * off(c).powi(2)).sum();
+    let peak = v.iter().map(|v| size(*v)).fold(0.0, f64::max);
+    (square / volume.iter().sum::<f64>()).sqrt() / peak
 }
 
 fn time_dir(case: &Path, time: f64) -> Result<PathBuf, String> {
@@ -114,7 +206,6 @@ fn row(volume: &[f64], (u, v): (&[[f64; 3]], &[[f64; 3]]), (p, q): (&[f64], &[f6
     let mean = |f: &dyn Fn(usize) -> f64| -> f64 {
         volume.iter().enumerate().map(|(c, w)| w * f(c)).sum::<f64>() / whole
     };
-    let size = |a: [f64; 3]| a.iter().map(|x| x * x).sum::<f64>().sqrt();
     let off = |c: usize| size([0, 1, 2].map(|k| u[c][k] - v[c][k]));
     let peak = v.iter().map(|v| size(*v)).fold(0.0, f64::max);
     let most = (0..u.len()).map(off).fold(0.0, f64::max);
@@ -139,5 +230,6 @@ mod tests {
         let v = [[1.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
         let row = row(&[1.0, 3.0], (&u, &v), (&[5.0, 7.0], &[1.0, 3.0]));
         assert_eq!(row, "10.00 %, 7.500 % | 0.00 %");
+        assert!((distance(&[1.0, 3.0], &u, &v) - 0.2 * 0.75_f64.sqrt() / 2.0).abs() < 1e-12);
     }
 }

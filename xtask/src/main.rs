@@ -6,6 +6,7 @@ mod bench;
 mod ci;
 mod compare;
 mod docs;
+mod finer;
 mod foam_field;
 mod laminar;
 mod links;

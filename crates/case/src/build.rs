@@ -115,6 +115,11 @@ fn checked<T: granflow_base::Value>(
 /// Puts the flow of one rank together.
 pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Flow {
     let (config, k) = (&case.config, case.pressure_factor());
+    let compatible = config.schemes.compatible;
+    let mesh = match compatible {
+        true => Arc::new(mesh.without_skewness()),
+        false => mesh,
+    };
     let rho = config.transport.rho;
     let n = mesh.n_cells;
     let entries = &case.start;
@@ -169,7 +174,7 @@ pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Fl
     if let (Some(field), Some(values)) = (rheology.field_mut(), &start.fluidity) {
         field.data[..n].copy_from_slice(values);
     }
-    let gradient = match config.schemes.gradient {
+    let gradient = |kind: GradientKind| match kind {
         GradientKind::GaussLinear => Gradient::GaussLinear,
         GradientKind::LeastSquares => Gradient::LeastSquares(LeastSquares::new(&mesh)),
     };
@@ -180,10 +185,12 @@ pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Fl
     let numerics = Numerics {
         ddt: config.schemes.ddt,
         convection: config.schemes.convection,
-        gradient,
+        gradient: gradient(config.schemes.gradient),
+        gradient_p: gradient(config.schemes.gradient_p),
         limiter: config.schemes.limiter,
         non_orthogonal: config.schemes.non_orthogonal,
         sn_grad: config.schemes.sn_grad,
+        compatible,
         outer: sol.outer,
         correctors: sol.correctors,
         non_orthogonal_correctors: sol.non_orthogonal_correctors,

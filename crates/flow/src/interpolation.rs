@@ -197,6 +197,9 @@ impl Flow {
                 *r = rest / (1.0 + inertia * rest);
             }
         });
+        if self.numerics.compatible {
+            self.mobility_of_one_cell();
+        }
     }
 
     /// The flux of velocity and pressure as they stand, into the state.
@@ -257,6 +260,9 @@ impl Flow {
             interpolated_flux(exec, mesh, &of, &mut w.phi_star);
         }
         self.take_frames_from(|flow| &mut flow.work.phi_star);
+        if self.numerics.compatible {
+            self.flux_of_one_cell();
+        }
         self.add_memory(dt, |flow| &mut flow.work.phi_star);
     }
 
@@ -357,6 +363,7 @@ impl Flow {
             .as_ref()
             .map_or(&inertia(&self.work.rho, &self.work.local).data, |t| &t.work.rho_old.data);
         let (r_a_f, ahead) = (&self.work.r_a_f.data, &self.work.ahead.data);
+        let (compatible, start) = (self.numerics.compatible, &self.work.phi_start);
         self.exec.for_each(&mut phi, |first, out| {
             for (i, phi) in out.iter_mut().enumerate() {
                 let f = first + i;
@@ -365,7 +372,11 @@ impl Flow {
                     Some(&n) => o + (1.0 - mesh.weight[f]) * (rho[n as usize] - o),
                     None => o,
                 };
-                *phi += r_a_f[f] * (rho / dt) * ahead[f];
+                let kept = match compatible {
+                    true => crate::compatible::remembered(start[f], ahead[f]),
+                    false => 1.0,
+                };
+                *phi += kept * r_a_f[f] * (rho / dt) * ahead[f];
             }
         });
         of(self).data = phi;
@@ -406,7 +417,7 @@ impl Work {
                 (grad_p, dp_dn),
             );
         }
-        numerics.gradient.of(exec, mesh, p, grad_p);
+        numerics.gradient_p.of(exec, mesh, p, grad_p);
         let leaning = mesh.max_nonorth_deg > 0.1 && numerics.non_orthogonal > 0.0;
         let corrected = leaning.then_some(&grad_p[..]);
         exec.for_each(dp_dn, |first, out| {
@@ -419,6 +430,6 @@ impl Work {
 }
 
 /// How much of its cell's normal velocity goes through boundary face `b`.
-fn open_share(u: &Unknown<Vec3>, b: usize) -> f64 {
+pub(crate) fn open_share(u: &Unknown<Vec3>, b: usize) -> f64 {
     (u.closure.slope[b] - u.closure.normal[b]).max(0.0)
 }

@@ -4,6 +4,7 @@
 mod anderson;
 mod best;
 mod coarse_cells;
+mod compatible;
 mod coupled;
 mod failure;
 mod frame;

@@ -44,7 +44,7 @@ impl Flow {
             let iterations = done.iterations + solved.iterations;
             done = Solved { iterations, first, last: share * solved.last };
             mesh.halo.update(exec, &mut w.p_prime.cells.data);
-            numerics.gradient.of(exec, mesh, &w.p_prime, &mut w.grad_p);
+            numerics.gradient_p.of(exec, mesh, &w.p_prime, &mut w.grad_p);
             if skewed && k < correctors {
                 // What the compact difference left out joins the flux that the next pass corrects.
                 self_correct(exec, mesh, w, numerics.non_orthogonal);

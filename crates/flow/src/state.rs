@@ -130,6 +130,8 @@ pub struct Numerics {
     pub convection: Convection,
     /// Cell gradients.
     pub gradient: Gradient,
+    /// The same of the pressure.
+    pub gradient_p: Gradient,
     /// Limiter of the gradient that convection extrapolates with; pressure and stress have theirs
     /// whole.
     pub limiter: Option<GradientLimiter>,
@@ -138,6 +140,8 @@ pub struct Numerics {
     /// Normal derivatives of density and fraction on faces, and in momentum that of the pressure beside
     /// them, where they are not the Laplacian's; of two fluids.
     pub sn_grad: Option<NormalDerivative>,
+    /// Whether a single pass has the forms of OpenFOAM's PISO solvers in place of ours.
+    pub compatible: bool,
     /// Most outer iterations of a step.
     pub outer: usize,
     /// Pressure corrections of a single pass (PISO).

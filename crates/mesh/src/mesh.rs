@@ -114,6 +114,16 @@ impl Mesh {
     pub fn is_skewed(&self) -> bool {
         self.max_skew > SKEWED
     }
+    /// The same mesh as if every inner face's centre lay on the line between its cells, and every boundary
+    /// face's on the normal from its cell.
+    #[must_use]
+    pub fn without_skewness(&self) -> Mesh {
+        let mut mesh = self.clone();
+        mesh.skew.fill([0.0; 3]);
+        mesh.max_skew = 0.0;
+        mesh.nonorth[self.n_inner..].fill([0.0; 3]);
+        mesh
+    }
     /// A sum of dyads of the faces of a cell, with 1 along the axes that are not solved for, where
     /// there are no faces: fit to be inverted.
     #[must_use]

@@ -72,11 +72,10 @@ impl CaseConfig {
         let control = Control::read(&reader, absent);
         let functions = crate::functions::read(&reader);
         reader.finish(Severity::Warning);
-        let mut schemes = match files::dict(root, "system/fvSchemes", sink)? {
-            Some(d) => {
-                let kind = (transport.second.is_some(), transport.grains.is_some());
-                Schemes::read(&d, kind, sink, notices)
-            }
+        let schemes_dict = files::dict(root, "system/fvSchemes", sink)?;
+        let kind = (transport.second.is_some(), transport.grains.is_some());
+        let mut schemes = match &schemes_dict {
+            Some(d) => Schemes::read(d, kind, sink, notices),
             None => Schemes::default(),
         };
         let solution_dict = files::dict(root, "system/fvSolution", sink)?.unwrap_or_default();
@@ -95,6 +94,10 @@ impl CaseConfig {
             sink,
             notices,
         );
+        if let Some(dict) = schemes_dict.filter(|_| schemes.compatible) {
+            let single = solution.outer <= 1 && transport.grains.is_none();
+            allow_compatible(&Reader::new(&dict, sink), (two.is_some(), single, schemes.ddt));
+        }
         if let TimeScheme::Local(steps) = &mut schemes.ddt {
             *steps = solution.local;
         }
@@ -116,6 +119,23 @@ impl CaseConfig {
         let two = self.transport.second.is_some();
         if self.gravity.is_some() || two { "p_rgh" } else { "p" }
     }
+}
+
+/// Refuses `compatible yes;` where there is nothing to be compatible with.
+fn allow_compatible(r: &Reader<'_>, (two, single, ddt): (bool, bool, TimeScheme)) {
+    let (message, help) = if two {
+        ("`compatible` is for one fluid", "leave it out")
+    } else if ddt != TimeScheme::Euler {
+        ("`compatible` goes with the time scheme Euler", "write `ddtSchemes { default Euler; }`")
+    } else if !single {
+        (
+            "`compatible` is for PISO, a single pass",
+            "leave it out: outer iterations solve momentum and continuity together",
+        )
+    } else {
+        return;
+    };
+    r.error_at_key(schemes::COMPATIBLE, message, "not available", Some(help));
 }
 
 /// Heights are measured from the origin: another `constant/hRef` would change what p_rgh means.

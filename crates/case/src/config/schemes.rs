@@ -24,6 +24,10 @@ pub struct Schemes {
     pub ddt: TimeScheme,
     /// `gradSchemes`.
     pub gradient: GradientKind,
+    /// The same of the pressure.
+    pub gradient_p: GradientKind,
+    /// Whether PISO has OpenFOAM's forms in place of ours.
+    pub compatible: bool,
     /// Limiter of `grad(U)` where convection extrapolates with it.
     pub limiter: Option<GradientLimiter>,
     /// `div(phi,U)` of `divSchemes`.
@@ -41,6 +45,8 @@ impl Default for Schemes {
         Schemes {
             ddt: TimeScheme::Euler,
             gradient: GradientKind::GaussLinear,
+            gradient_p: GradientKind::GaussLinear,
+            compatible: false,
             limiter: None,
             convection: Convection::LinearUpwind,
             alpha: Convection::Limited(LimiterKind::VanLeer(1.0)),
@@ -69,6 +75,8 @@ impl Schemes {
         if let Some(sub) = &gradients {
             let key = first_of(sub, &["default", "grad(U)", "grad(p)", "grad(p_rgh)"]);
             s.gradient = key.map_or(s.gradient, |k| gradient(sub, k, notices).0);
+            let key = first_of(sub, &["grad(p)", "grad(p_rgh)"]);
+            s.gradient_p = key.map_or(s.gradient, |k| gradient(sub, k, notices).0);
         }
         if let Some(sub) = r.opt_sub("divSchemes") {
             s.convection = divergence(&sub, notices);
@@ -96,6 +104,7 @@ impl Schemes {
         if let Some(sub) = r.opt_sub("interpolationSchemes") {
             interpolation(&sub, notices);
         }
+        s.compatible = r.opt_switch(COMPATIBLE, false);
         for other in ["fluxRequired", "wallDist", "default"] {
             if let Some(sub) = r.entry(other).and_then(|_| r.opt_sub(other)) {
                 sub.ignore_all();
@@ -124,6 +133,9 @@ impl Schemes {
         }
     }
 }
+
+/// The switch that asks for the reference tool's forms.
+pub(super) const COMPATIBLE: &str = "compatible";
 
 /// Names of the convection of velocity, the first that is there counts.
 const CONVECTION: [&str; 6] = [

@@ -54,6 +54,11 @@ pub(crate) fn collapse() -> Case {
 
 /// A case of the catalogue, whole.
 pub(crate) fn of_catalogue(name: &str) -> Case {
+    whole(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name))
+}
+
+/// All of a case's files but what runs have made.
+fn whole(root: &Path) -> Case {
     fn add(case: &Case, root: &Path, rel: &Path) {
         for entry in fs::read_dir(root.join(rel)).unwrap() {
             let rel = rel.join(entry.unwrap().file_name());
@@ -71,8 +76,7 @@ pub(crate) fn of_catalogue(name: &str) -> Case {
         }
     }
     let case = Case { dir: tempfile::tempdir().unwrap(), edits: String::new() };
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases").join(name);
-    add(&case, &root, Path::new(""));
+    add(&case, root, Path::new(""));
     case
 }
 
@@ -99,6 +103,10 @@ fn of_two_phases(name: &str, alpha: &str) -> Case {
 }
 
 impl Case {
+    /// A case that lies in a folder beside the tests.
+    pub(crate) fn below(folder: &str, name: &str) -> Case {
+        whole(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(folder).join(name))
+    }
     fn new(files: &[(&str, &str)]) -> Case {
         let case = Case { dir: tempfile::tempdir().unwrap(), edits: String::new() };
         for (path, text) in files {

@@ -100,6 +100,8 @@ pub struct Seen<'a> {
     pub rho: &'a [f64],
     /// Viscosity, Pa s.
     pub eta: &'a [f64],
+    /// Whether the forms are those of OpenFOAM ([`crate::Numerics::compatible`]).
+    pub compatible: bool,
 }
 
 /// A vector for a person.
@@ -116,9 +118,10 @@ impl Flow {
 
     /// Force per volume and sink of the flow as it stands, into `work.body` and `work.sink`.
     pub(crate) fn apply_sources(&mut self) {
-        if !self.has_sources() {
+        if !self.has_sources() && !self.numerics.compatible {
             return;
         }
+        let compatible = self.numerics.compatible;
         let Flow { exec, mesh, state, work: w, sources, gravity, .. } = self;
         let n = mesh.n_cells;
         let (body, sink) = (&mut w.body.data, &mut w.sink.data);
@@ -128,8 +131,13 @@ impl Flow {
                 (*body, *sink) = (gravity.driving.scaled(rho[first + i]), 0.0);
             }
         });
-        let seen =
-            Seen { time: state.time, u: &state.u.cells.data, rho: &w.rho.data, eta: &w.eta.data };
+        let seen = Seen {
+            time: state.time,
+            u: &state.u.cells.data,
+            rho: &w.rho.data,
+            eta: &w.eta.data,
+            compatible,
+        };
         sources.iter().for_each(|s| s.add(&seen, n, body, sink));
     }
 

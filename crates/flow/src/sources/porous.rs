@@ -39,17 +39,20 @@ impl Source for Porous {
         format!("a porous body, d {d} 1/m2, f {f} 1/m")
     }
     /// The greatest of the three drags is implicit, what the others are short of it is not: with it on
-    /// the diagonal nothing overshoots.
+    /// the diagonal nothing overshoots. What is `compatible` has the sum of the three there.
     fn add(&self, seen: &Seen<'_>, n: usize, body: &mut [Vec3], sink: &mut [f64]) {
         self.zone.each(n, |c| {
             let u = seen.u[c];
             let dynamic = 0.5 * seen.rho[c] * norm(u);
             let drag = |k: usize| seen.eta[c] * self.darcy[k] + dynamic * self.forchheimer[k];
             let drags = [drag(0), drag(1), drag(2)];
-            let most = drags.iter().copied().fold(0.0, f64::max);
-            sink[c] += most;
+            let implicit = match seen.compatible {
+                true => drags.iter().sum(),
+                false => drags.iter().copied().fold(0.0, f64::max),
+            };
+            sink[c] += implicit;
             for (axis, drag) in self.axes.iter().zip(drags) {
-                body[c] = body[c].axpy((most - drag) * dot(u, *axis), *axis);
+                body[c] = body[c].axpy((implicit - drag) * dot(u, *axis), *axis);
             }
         });
     }

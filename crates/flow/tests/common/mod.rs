@@ -48,6 +48,8 @@ pub fn numerics(outer: usize, correctors: usize) -> Numerics {
         ddt: TimeScheme::Euler,
         convection: Convection::Upwind,
         gradient: Gradient::GaussLinear,
+        gradient_p: Gradient::GaussLinear,
+        compatible: false,
         limiter: None,
         non_orthogonal: 1.0,
         sn_grad: None,

@@ -24,6 +24,8 @@ pub fn numerics(correctors: usize) -> Numerics {
         ddt: TimeScheme::Euler,
         convection: Convection::LinearUpwind,
         gradient: Gradient::GaussLinear,
+        gradient_p: Gradient::GaussLinear,
+        compatible: false,
         limiter: None,
         non_orthogonal: 1.0,
         sn_grad: None,
