@@ -177,8 +177,6 @@ impl Flow {
         let share = two_phase.as_ref().and_then(|t| t.share());
         if newton {
             w.eta_f.data.copy_from_slice(&w.newton.eta);
-        } else if self.numerics.compatible {
-            return self.viscosity_from_cells();
         } else {
             viscosity_on_faces(exec, mesh, (constant, share), &w.eta.data, &mut w.eta_f);
         }

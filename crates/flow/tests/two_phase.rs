@@ -5,8 +5,8 @@
 mod two_common;
 
 use granflow_base::{Vec3, dot, scale};
-use granflow_flow::{Mixing, NormalDerivative};
 use granflow_flow::vof::Shape;
+use granflow_flow::{Mixing, NormalDerivative};
 use granflow_fv::conditions::FixedValue;
 use granflow_mesh::shapes;
 use two_common::*;

@@ -96,7 +96,9 @@ impl CaseConfig {
         );
         if let Some(dict) = schemes_dict.filter(|_| schemes.compatible) {
             let single = solution.outer <= 1 && transport.grains.is_none();
-            allow_compatible(&Reader::new(&dict, sink), (two.is_some(), single, schemes.ddt));
+            let constant = transport.model == "Newtonian";
+            let of = (two.is_some(), constant, single, schemes.ddt);
+            allow_compatible(&Reader::new(&dict, sink), of);
         }
         if let TimeScheme::Local(steps) = &mut schemes.ddt {
             *steps = solution.local;
@@ -122,9 +124,11 @@ impl CaseConfig {
 }
 
 /// Refuses `compatible yes;` where there is nothing to be compatible with.
-fn allow_compatible(r: &Reader<'_>, (two, single, ddt): (bool, bool, TimeScheme)) {
+fn allow_compatible(r: &Reader<'_>, (two, constant, single, ddt): (bool, bool, bool, TimeScheme)) {
     let (message, help) = if two {
         ("`compatible` is for one fluid", "leave it out")
+    } else if !constant {
+        ("`compatible` is for a constant viscosity", "leave it out")
     } else if ddt != TimeScheme::Euler {
         ("`compatible` goes with the time scheme Euler", "write `ddtSchemes { default Euler; }`")
     } else if !single {

@@ -118,7 +118,7 @@ impl Flow {
 
     /// Force per volume and sink of the flow as it stands, into `work.body` and `work.sink`.
     pub(crate) fn apply_sources(&mut self) {
-        if !self.has_sources() && !self.numerics.compatible {
+        if !self.has_sources() {
             return;
         }
         let compatible = self.numerics.compatible;
