@@ -145,7 +145,7 @@ impl Case {
         let waves = WaveTable::read(root, &start, whole, (&poly, &mesh), sink)?;
         let times = Some((start.time, end));
         let clock = (start.restarted, times);
-        let sources = read_sources(root, &dir, (&config, clock), (&poly, &mesh), (sink, notices))?;
+        let sources = read_sources(root, &dir, &config, clock, (&poly, &mesh), (sink, notices))?;
         need_time_ahead(&config, options, &start, end, sink);
         let mut case = Case {
             root: root.to_owned(),
@@ -295,7 +295,8 @@ fn need_time_ahead(
 fn read_sources(
     root: &Path,
     dir: &str,
-    (config, (restarted, times)): (&CaseConfig, (bool, Option<(f64, f64)>)),
+    config: &CaseConfig,
+    (restarted, times): (bool, Option<(f64, f64)>),
     (poly, mesh): (&PolyMesh, &Mesh),
     (sink, notices): (&Sink, &Notices),
 ) -> Result<Vec<Box<dyn Source>>, CaseError> {

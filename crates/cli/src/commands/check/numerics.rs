@@ -62,8 +62,7 @@ pub(super) fn say(case: &Case, mapped: &[String], page: &mut Page) {
         text += &format!(", density and fraction on faces {}", named(how));
         page.warn(
             "snGradSchemes are not laplacianSchemes: pressure and weight do not balance on faces that lean, \
-             and still fluids move"
-                .to_owned(),
+             and still fluids move",
         );
     }
     page.say("schemes", text);
