@@ -89,6 +89,10 @@ fn frames_that_cannot_be_are_refused() {
     assert!(said("(bottom top)", "(botom top)").contains("did you mean `bottom`?"));
     let open = said("(bottom top)", "(top)");
     assert!(open.contains("the patch `bottom` lies in the zone and is no wall"), "{open}");
+    let empty = ring("Euler");
+    put(empty.path(), "system/topoSetDict", &ZONES.replace("radius 0.75", "radius 0.1"));
+    let empty = load_errors(empty.path());
+    assert!(empty.contains("the zone `rotor` has no cells"), "{empty}");
     assert!(said("axis (0 0 1)", "axis (0 0 0)").contains("no direction"));
     assert!(said("origin", "orign").contains("`origin`"));
     assert!(said("active yes;", "active yes; speed 3;").contains("unknown entry `speed`"));

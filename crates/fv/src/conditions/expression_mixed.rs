@@ -15,6 +15,8 @@ struct ExprMixed {
     gradient: Option<Formula>,
     /// The share `f` of the value, kept from 0 to 1; one where there is none.
     fraction: Option<Formula>,
+    /// Whether the share is the number zero: no value is given then, at no time.
+    free: bool,
     /// From the units of the file to those inside.
     factor: f64,
     entries: Vec<(String, String)>,
@@ -38,7 +40,7 @@ impl<T: Value> Condition<T> for ExprMixed {
         }
     }
     fn fixes_value(&self) -> bool {
-        true
+        !self.free
     }
     fn entries(&self) -> Vec<(String, String)> {
         self.entries.clone()
@@ -67,7 +69,9 @@ fn read<T: Value>(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<T>>
         r.error_here("`exprMixed` has no formula", "neither value nor gradient", help);
     }
     let keys = ["variables", "valueExpr", "gradientExpr", "fractionExpr"];
+    let share = r.has("fractionExpr").then(|| r.string("fractionExpr").trim().parse::<f64>());
     Box::new(ExprMixed {
+        free: share.is_some_and(|f| f.is_ok_and(|f| f <= 0.0)),
         value: of("valueExpr", T::N == 3),
         gradient: of("gradientExpr", T::N == 3),
         fraction: of("fractionExpr", false),
@@ -79,6 +83,15 @@ fn read<T: Value>(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<T>>
 #[cfg(test)]
 mod tests {
     use crate::conditions::testing::*;
+
+    #[test]
+    fn no_share_of_a_value_fixes_none() {
+        let of = |share: &str| {
+            let text = format!("type exprMixed; gradientExpr \"0\"; fractionExpr \"{share}\";");
+            Probe::of::<f64>(&text).condition().fixes_value()
+        };
+        assert!(!of("0") && !of(" 0.0 ") && of("1") && of("time()"));
+    }
 
     /// Half a metre from the cells. What is left out is what icoFoam v1912 takes.
     #[test]
