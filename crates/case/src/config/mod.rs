@@ -14,6 +14,8 @@ mod vof;
 pub use control::{APPLICATIONS, Adjust, Control, StartFrom, WriteControl};
 pub use schemes::{GradientKind, PLAIN, Schemes};
 pub use solution::{LinearSolve, Reference, ReferenceCell, Solution};
+pub(crate) use sources::axes_of;
+pub use sources::{SOURCES, SourceEntry};
 pub use transport::{SecondPhase, Transport};
 
 use self::solution::Kind;

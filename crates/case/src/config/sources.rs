@@ -13,13 +13,47 @@ use std::path::Path;
 
 /// Where the dictionary may be.
 const FILES: [&str; 2] = ["constant/fvOptions", "system/fvOptions"];
-/// What is done.
-const KINDS: [&str; 4] = [
-    "vectorSemiImplicitSource",
-    "semiImplicitSource",
-    "explicitPorositySource",
-    "meanVelocityForce",
+
+/// A force on the bulk.
+pub struct SourceEntry {
+    /// The word behind `type`.
+    pub name: &'static str,
+    /// One line for lists and the book.
+    pub summary: &'static str,
+    /// The force per volume (per density of it with one fluid), `U` the velocity.
+    pub formula: &'static str,
+    /// Where it comes from.
+    pub reference: &'static str,
+    read: fn(&Of<'_, '_>, &mut Vec<Source>),
+}
+
+/// Every kind, by OpenFOAM's names.
+pub const SOURCES: &[SourceEntry] = &[
+    SourceEntry {
+        name: "vectorSemiImplicitSource",
+        summary: "a given force and a drag, in all cells or in a zone, perhaps for a time",
+        formula: "f = S + k U, k <= 0, of `U (S k);` in injectionRateSuSp; over the volume of the zone \
+                  with volumeMode absolute",
+        reference: "OpenFOAM user guide, fvOptions",
+        read: |of, all| of.semi_implicit(all),
+    },
+    SourceEntry {
+        name: "explicitPorositySource",
+        summary: "a porous body: the drag of Darcy and Forchheimer along three axes",
+        formula: "f = -(eta d + rho |U|/2 f) . U, d and f along the axes of coordinateSystem",
+        reference: "P. Forchheimer, Z. Ver. Dtsch. Ing. 45 (1901) 1782",
+        read: |of, all| of.porous(all),
+    },
+    SourceEntry {
+        name: "meanVelocityForce",
+        summary: "the uniform force that keeps the mean velocity over a zone at Ubar",
+        formula: "f = g Ubar/|Ubar|, g such that sum U V . Ubar/|Ubar| = |Ubar| sum V",
+        reference: "OpenFOAM user guide, fvOptions",
+        read: |of, all| of.mean_velocity(all),
+    },
 ];
+/// Another name of the first.
+const ALIAS: (&str, &str) = ("semiImplicitSource", "vectorSemiImplicitSource");
 
 /// Whether the case has such a file.
 pub(crate) fn present(root: &Path) -> bool {
@@ -62,15 +96,15 @@ pub(crate) fn read(
             // Entries stand beside the type, or in a dictionary of their own.
             let inner = r.opt_sub(&format!("{kind}Coeffs"));
             let of = Of { name, r: inner.as_ref().unwrap_or(&r), outer: &r, mesh, zones, rho, two };
-            match kind.as_str() {
-                "vectorSemiImplicitSource" | "semiImplicitSource" => of.semi_implicit(&mut sources),
-                "explicitPorositySource" => of.porous(&mut sources),
-                "meanVelocityForce" => of.mean_velocity(&mut sources),
-                "" => {}
-                _ => {
-                    let near = nearest(&kind, KINDS);
+            let known = if kind == ALIAS.0 { ALIAS.1 } else { kind.as_str() };
+            match SOURCES.iter().find(|e| e.name == known) {
+                Some(entry) => (entry.read)(&of, &mut sources),
+                None if kind.is_empty() => {}
+                None => {
+                    let kinds: Vec<&str> = SOURCES.iter().map(|e| e.name).collect();
+                    let near = nearest(&kind, kinds.iter().copied());
                     let near = near.map_or(String::new(), |n| format!("did you mean `{n}`? "));
-                    let help = format!("{near}there are {}; or add `active no;`", KINDS.join(", "));
+                    let help = format!("{near}there are {}; or add `active no;`", kinds.join(", "));
                     let message = format!("the source `{kind}` is not done here");
                     r.error_at_key("type", message, "not available", Some(&help));
                     r.ignore_all();
@@ -282,17 +316,38 @@ fn positive(v: Vec3) -> Vec3 {
     v.map(|x| if x < 0.0 { -x * most } else { x })
 }
 
-/// The axes of `coordinateSystem`: `e1` and `e2` (or `e3`), perhaps in `rotation`, or those of space.
+/// The axes of space.
+const SPACE: [Vec3; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// Origin and axes that stand in `coordinateSystem` or beside it.
+pub(crate) fn axes_of(r: &Reader<'_>) -> (Vec3, [Vec3; 3]) {
+    let origin = r.maybe_vector("origin", Dims::LENGTH);
+    if let Some(system) = r.opt_sub("coordinateSystem") {
+        let inner = system.maybe_vector("origin", Dims::LENGTH);
+        return (origin.or(inner).unwrap_or_default(), axes(r));
+    }
+    let turned = ["rotation", "coordinateRotation"].iter().any(|k| r.has(k));
+    (origin.unwrap_or_default(), if turned { rotated(r, r) } else { SPACE })
+}
+
+/// The axes of `coordinateSystem`, or those of space.
 fn axes(r: &Reader<'_>) -> [Vec3; 3] {
-    let own = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let Some(system) = r.opt_sub("coordinateSystem") else { return own };
+    let Some(system) = r.opt_sub("coordinateSystem") else { return SPACE };
     for key in ["type", "origin"] {
         system.ignore(key);
     }
+    let found = rotated(r, &system);
+    system.ignore_all();
+    found
+}
+
+/// The axes `e1` and `e2` (or `e3`) of `system`, perhaps in `rotation`; what is wrong is said of `r`.
+fn rotated(r: &Reader<'_>, system: &Reader<'_>) -> [Vec3; 3] {
+    let own = SPACE;
     let turned = system.opt_sub("rotation").or_else(|| {
         system.entry("coordinateRotation").and_then(|_| system.opt_sub("coordinateRotation"))
     });
-    let of = turned.as_ref().unwrap_or(&system);
+    let of = turned.as_ref().unwrap_or(system);
     let kind = of.opt_word("type", "axes");
     let (e1, e2, e3) = (
         of.maybe_vector("e1", Dims::NONE),
@@ -307,8 +362,9 @@ fn axes(r: &Reader<'_>) -> [Vec3; 3] {
         (Some(a), None, Some(c)) => right_handed(c, a).map(|[c, a, b]| [a, b, c]),
         _ => None,
     };
-    of.ignore_all();
-    system.ignore_all();
+    if let Some(turned) = &turned {
+        turned.ignore_all();
+    }
     found.unwrap_or_else(|| {
         let help = Some(
             "give two of them: `coordinateSystem { origin (0 0 0); e1 (1 0 0); e2 (0 1 0); }`",
