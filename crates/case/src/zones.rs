@@ -160,6 +160,17 @@ impl Zones {
         }
     }
 
+    /// The cells of the zone that the entry `key` names; one without any is a mistake.
+    pub fn filled(&self, r: &Reader<'_>, key: &str) -> Vec<u32> {
+        let name = r.word(key);
+        let cells = self.expect(r, key, name).to_vec();
+        if cells.is_empty() && self.get(name).is_some() {
+            let help = Some("no centre of a cell lies within it: look at system/topoSetDict");
+            r.error_at_key(key, format!("the zone `{name}` has no cells"), "empty", help);
+        }
+        cells
+    }
+
     /// The zone that the entry `key` names.
     pub fn expect(&self, r: &Reader<'_>, key: &str, name: &str) -> &[u32] {
         if name.is_empty() {

@@ -38,18 +38,6 @@ fn ring(scheme: &str) -> tempfile::TempDir {
     case(&files, Some(&poly))
 }
 
-fn numbers(root: &Path, file: &str) -> Vec<f64> {
-    let text = read(root, file).replace(['(', ')', ';'], " ");
-    text.split_whitespace().filter_map(|w| w.parse().ok()).collect()
-}
-
-fn apart(a: &Path, b: &Path, file: &str) -> f64 {
-    let (a, b) = (numbers(a, file), numbers(b, file));
-    assert_eq!(a.len(), b.len(), "{file}");
-    let size = a.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-    a.iter().zip(&b).fold(0.0f64, |m, (x, y)| m.max((x - y).abs())) / size
-}
-
 #[test]
 fn three_ranks_turn_as_one() {
     let (one, three) = (ring("Euler"), ring("Euler"));

@@ -33,18 +33,6 @@ fn case_with(sources: &str) -> tempfile::TempDir {
     dir
 }
 
-fn numbers(root: &Path, file: &str) -> Vec<f64> {
-    let text = read(root, file).replace(['(', ')', ';'], " ");
-    text.split_whitespace().filter_map(|w| w.parse().ok()).collect()
-}
-
-fn apart(a: &Path, b: &Path, file: &str) -> f64 {
-    let (a, b) = (numbers(a, file), numbers(b, file));
-    assert_eq!(a.len(), b.len(), "{file}");
-    let size = a.iter().fold(0.0f64, |m, x| m.max(x.abs()));
-    a.iter().zip(&b).fold(0.0f64, |m, (x, y)| m.max((x - y).abs())) / size
-}
-
 #[test]
 fn every_source_acts_in_its_zone_and_its_time() {
     let whole = case_with(SOURCES);

@@ -248,21 +248,23 @@ impl Flow {
                 }
             });
             mesh.halo.update(exec, &mut w.hby_a);
-            let of = Interpolated {
-                u: &state.u,
-                cells: &w.hby_a,
-                skewed: skewed.then_some(&w.grad_u[..]),
-                grad_p: &w.grad_p,
-                dp_dn: &w.dp_dn,
-                mobility: &w.r_a_f.data,
-                weights: &w.flux_weights,
-            };
-            interpolated_flux(exec, mesh, &of, &mut w.phi_star);
+            if !numerics.compatible {
+                let of = Interpolated {
+                    u: &state.u,
+                    cells: &w.hby_a,
+                    skewed: skewed.then_some(&w.grad_u[..]),
+                    grad_p: &w.grad_p,
+                    dp_dn: &w.dp_dn,
+                    mobility: &w.r_a_f.data,
+                    weights: &w.flux_weights,
+                };
+                interpolated_flux(exec, mesh, &of, &mut w.phi_star);
+            }
         }
-        self.take_frames_from(|flow| &mut flow.work.phi_star);
         if self.numerics.compatible {
             self.flux_of_one_cell();
         }
+        self.take_frames_from(|flow| &mut flow.work.phi_star);
         self.add_memory(dt, |flow| &mut flow.work.phi_star);
     }
 

@@ -56,10 +56,10 @@ pub(crate) struct Newton {
     d_rate: Vec<f64>,
     /// Strain rate, pressure between grains (Pa), viscosity (Pa s) and its logarithm's slopes
     /// `d ln(eta)/d ln(rate)` and `d ln(eta)/dP` on the faces.
-    pub(crate) rate: Vec<f64>,
-    pub(crate) pressure: Vec<f64>,
+    rate: Vec<f64>,
+    pressure: Vec<f64>,
     pub(crate) eta: Vec<f64>,
-    pub(crate) slopes: Vec<[f64; 2]>,
+    slopes: Vec<[f64; 2]>,
     /// `d eta/d ln eta_1` of the viscosity on faces, Pa s: that viscosity itself but where fluids mix.
     pub(crate) response: Vec<f64>,
     /// `grad U + grad U^T` on the faces, 1/s, and its magnitude.

@@ -289,11 +289,30 @@ fn power_law_poiseuille() {
     }
 }
 
+const G: f64 = 9.81;
+/// 20 grains.
+const DEPTH: f64 = 20.0 * BEADS.d;
+
+/// A layer of grains of the local law on an incline, `n` cells deep.
+fn incline(theta: f64, n: usize) -> Flow {
+    let h = DEPTH / n as f64;
+    let kinds = shapes::periodic_kinds([true, false, true], PatchKind::Wall);
+    let poly = shapes::box_mesh([1, n, 1], [0.0; 3], [h, DEPTH, h], kinds);
+    let mut s = Setup::new(&poly, numerics(400, 1));
+    s.gravity.hydrostatic = [0.0, -G * theta.cos(), 0.0];
+    s.gravity.driving = [G * theta.sin(), 0.0, 0.0];
+    s.p0 = RHO_B * G * theta.cos() * DEPTH;
+    s.flow(
+        local(MuI(BEADS)),
+        |patch| if patch == "yMax" { slip() } else { fixed([0.0; 3]) },
+        |patch| if patch == "yMax" { pressure(0.0) } else { free() },
+    )
+}
+
 /// Bagnold's profile: grains of the local law down an incline of 24 degrees, 20 grains deep.
 #[test]
 fn mu_of_i_on_an_incline() {
-    let (theta, g, d) = (24f64.to_radians(), 9.81, BEADS.d);
-    let depth = 20.0 * d;
+    let (theta, g, d, depth) = (24f64.to_radians(), G, BEADS.d, DEPTH);
     let tan = theta.tan();
     let i = BEADS.i0 * (tan - BEADS.mu_s) / (BEADS.mu_2 - tan);
     // I = rate d / sqrt(P/rho_s) with P = phi rho_s g cos (h - y).
@@ -301,18 +320,7 @@ fn mu_of_i_on_an_incline() {
     let exact = |y: f64| k * (depth.powf(1.5) - (depth - y).powf(1.5));
     let mut errors = Vec::new();
     for n in [20, 40, 80] {
-        let h = depth / n as f64;
-        let kinds = shapes::periodic_kinds([true, false, true], PatchKind::Wall);
-        let poly = shapes::box_mesh([1, n, 1], [0.0; 3], [h, depth, h], kinds);
-        let mut s = Setup::new(&poly, numerics(400, 1));
-        s.gravity.hydrostatic = [0.0, -g * theta.cos(), 0.0];
-        s.gravity.driving = [g * theta.sin(), 0.0, 0.0];
-        s.p0 = RHO_B * g * theta.cos() * depth;
-        let mut flow = s.flow(
-            local(MuI(BEADS)),
-            |patch| if patch == "yMax" { slip() } else { fixed([0.0; 3]) },
-            |patch| if patch == "yMax" { pressure(0.0) } else { free() },
-        );
+        let mut flow = incline(theta, n);
         let report = run(&mut flow, LONG, 3);
         let e = error(&flow, exact);
         println!("incline {n}: {e:.2e}, outer {}, {:?}", report.outer, report.residuals);
@@ -329,6 +337,40 @@ fn mu_of_i_on_an_incline() {
     println!("incline: orders {:?}", orders(&errors));
     assert!(errors[1] < 1e-2, "{errors:?}");
     assert!((errors[0] / errors[2]).log(4.0) > 1.4, "{errors:?}");
+}
+
+/// A layer that runs at half its speed: what `nOuterCorrectors 1` balances are forces with the viscosity before the step.
+#[test]
+fn one_pass_holds_the_viscosity_that_a_step_begins_with() {
+    let mut flow = incline(24f64.to_radians(), 20);
+    assert!(run(&mut flow, LONG, 3).converged);
+    flow.state.u.cells.data.iter_mut().for_each(|u| u[0] *= 0.5);
+    let before = flow.state.u.cells.data.clone();
+    flow.residuals().expect("residuals");
+    let eta = flow.derived().expect("a state").viscosity_f.to_vec();
+    flow.numerics.outer = 1;
+    let dt = 0.1;
+    assert!(!run(&mut flow, dt, 1).converged, "the viscosity is no longer the law's");
+    let (m, now) = (flow.mesh.clone(), &flow.state.u.cells.data);
+    let weight = RHO_B * flow.gravity.driving[0];
+    let off = greatest(&m, |c| {
+        let drag = |(f, s): (usize, f64)| {
+            let there = match m.neighbour.get(f) {
+                Some(&n) if s > 0.0 => now[n as usize][0],
+                Some(_) => now[m.owner[f] as usize][0],
+                None if m.face_centre[f][1] < 1e-9 => 0.0,
+                None => now[c][0],
+            };
+            let apart = (m.cell_centre[c][1] - m.face_centre[f][1]).abs();
+            let apart = if f < m.n_inner { 2.0 * apart } else { apart };
+            eta[f] * (there - now[c][0]) * m.mag_area[f] / apart.max(f64::MIN_POSITIVE)
+        };
+        let drags: f64 = m.faces_of(c).filter(|(f, _)| m.area[*f][1] != 0.0).map(drag).sum();
+        let gained = RHO_B * (now[c][0] - before[c][0]) / dt;
+        (gained - weight - drags / m.volume[c]).abs() / weight
+    });
+    println!("forces of one pass are off by {off:.1e}");
+    assert!(off < 1e-6, "{off}");
 }
 
 const RI: f64 = 0.5;

@@ -56,13 +56,7 @@ fn frame(
     zones: &Zones,
     case: CaseContext<'_>,
 ) -> RotatingFrame {
-    let zone = r.word("cellZone").to_owned();
-    let known = zones.get(&zone).is_some();
-    let cells = zones.expect(r, "cellZone", &zone).to_vec();
-    if known && cells.is_empty() {
-        let help = Some("no centre of a cell lies within it: look at system/topoSetDict");
-        r.error_at_key("cellZone", format!("the zone `{zone}` has no cells"), "empty", help);
-    }
+    let cells = zones.filled(r, "cellZone");
     let origin = r.vector("origin", Dims::LENGTH);
     let axis = r.vector("axis", Dims::NONE);
     if norm(axis) == 0.0 || !norm(axis).is_finite() {

@@ -101,13 +101,5 @@ fn zone<'d>(inner: &Reader<'d>, outer: &Reader<'d>, zones: &Zones) -> Zone {
             return Zone::All;
         }
     };
-    let r = with(key);
-    let name = r.word(key).to_owned();
-    let known = zones.get(&name).is_some();
-    let cells = zones.expect(r, key, &name).to_vec();
-    if known && cells.is_empty() {
-        let help = Some("no centre of a cell lies within it: look at system/topoSetDict");
-        r.error_at_key(key, format!("the zone `{name}` has no cells"), "empty", help);
-    }
-    Zone::Cells(cells)
+    Zone::Cells(zones.filled(with(key), key))
 }

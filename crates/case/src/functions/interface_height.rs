@@ -25,14 +25,15 @@ struct Gauges {
     places: Vec<Vec3>,
     /// Upwards where gravity does not say.
     up: Option<Vec3>,
+    /// The volume fraction that is asked for, where one is.
+    alpha: Option<(String, Span)>,
     places_span: Span,
     type_span: Span,
 }
 
 impl Gauges {
     fn read(r: &Reader<'_>) -> Gauges {
-        // There is one volume fraction, and its value in a cell is what the integral needs.
-        r.ignore("alpha");
+        // The value in a cell is what the integral needs.
         r.ignore("interpolationScheme");
         let up = r.has("direction").then(|| r.vector("direction", granflow_base::Dims::NONE));
         if up.is_some_and(|up| norm(up) == 0.0) {
@@ -41,6 +42,7 @@ impl Gauges {
         Gauges {
             places: r.vectors("locations"),
             up,
+            alpha: r.has("alpha").then(|| (r.word("alpha").to_owned(), r.value_span("alpha"))),
             places_span: r.value_span("locations"),
             type_span: r.key_span("type"),
         }
@@ -89,9 +91,19 @@ fn filled(pieces: &[[f64; 3]]) -> (f64, f64) {
 
 impl Plan for Gauges {
     fn check(&self, mesh: &Mesh, config: &CaseConfig, sink: &Sink) {
-        if config.transport.second.is_none() {
+        let Some(second) = &config.transport.second else {
             let message = "the function `interfaceHeight` needs two phases";
             sink.push(Diag::error(&self.type_span, message).label("the case has one"));
+            return;
+        };
+        if let Some((asked, span)) = self.alpha.as_ref().filter(|a| a.0 != second.alpha()) {
+            let message = format!("there is no volume fraction `{asked}`");
+            let help = format!("it is `{}`: leave it out or write that", second.alpha());
+            sink.push(Diag::error(span, message).label("not known").help(help));
+        }
+        if self.places.is_empty() {
+            let message = "`interfaceHeight` has no places";
+            sink.push(Diag::error(&self.places_span, message).label("an empty list"));
         }
         let Some(up) = self.upwards(config.gravity.unwrap_or_default()) else {
             let message = "`interfaceHeight` does not know where up is: there is no gravity";
@@ -100,7 +112,8 @@ impl Plan for Gauges {
             return;
         };
         for (i, x) in self.places.iter().enumerate() {
-            if crossed(mesh, vertical(*x, up, beyond(mesh, *x))).is_empty() {
+            let reach = beyond(mesh, *x);
+            if !reach.is_finite() || crossed(mesh, vertical(*x, up, reach)).is_empty() {
                 let at = columns::vector(*x);
                 let message = format!("no vertical through location {i} at {at} meets the mesh");
                 sink.push(Diag::error(&self.places_span, message).label("beside the mesh"));

@@ -132,6 +132,20 @@ pub fn files_of(root: &Path, time: &str) -> Vec<(PathBuf, Vec<u8>)> {
     out
 }
 
+/// All numbers of a file.
+pub fn numbers(root: &Path, file: &str) -> Vec<f64> {
+    let text = read(root, file).replace(['(', ')', ';'], " ");
+    text.split_whitespace().filter_map(|w| w.parse().ok()).collect()
+}
+
+/// How far the numbers of two runs' files are apart, of the greatest.
+pub fn apart(a: &Path, b: &Path, file: &str) -> f64 {
+    let (a, b) = (numbers(a, file), numbers(b, file));
+    assert_eq!(a.len(), b.len(), "{file}");
+    let size = a.iter().fold(0.0f64, |m, x| m.max(x.abs()));
+    a.iter().zip(&b).fold(0.0f64, |m, (x, y)| m.max((x - y).abs())) / size
+}
+
 pub fn assert_same(a: &Path, b: &Path, time: &str) {
     let (left, right) = (files_of(a, time), files_of(b, time));
     let names = |v: &[(PathBuf, Vec<u8>)]| v.iter().map(|f| f.0.clone()).collect::<Vec<_>>();

@@ -65,7 +65,8 @@ pub(super) fn formula(
     match Formula::new(variables, text, vector) {
         Ok(formula) => Some(formula),
         Err((place, e)) => {
-            if !text.is_empty() {
+            // Of a missing one it has been said.
+            if !text.is_empty() || r.has(key) {
                 let (key, what) = match place {
                     None => (key, text),
                     Some(k) => ("variables", variables[k]),

@@ -65,6 +65,9 @@ pub(super) fn say(case: &Case, mapped: &[String], page: &mut Page) {
              and still fluids move",
         );
     }
+    if schemes.compatible {
+        text += ", in a single pass with OpenFOAM's forms (`compatible`)";
+    }
     page.say("schemes", text);
     if schemes.non_orthogonal == 0.0 && angle > 5.0 {
         page.warn(format!(
