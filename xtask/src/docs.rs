@@ -9,11 +9,13 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// A registry as `granflow list` names it, the title of its chapter, and what a user writes to
-/// choose an entry (where one line says it).
+/// choose an entry where there is no example.
 struct Kind {
     name: &'static str,
     title: &'static str,
     intro: &'static str,
+    /// What the symbols of its formulae mean, for every page.
+    symbols: &'static str,
     choose: fn(&str) -> Option<String>,
 }
 
@@ -22,7 +24,8 @@ const KINDS: &[Kind] = &[
         name: "rheologies",
         title: "Rheologies",
         intro: "Values of `transportModel` in `constant/transportProperties`.",
-        choose: |name| Some(format!("transportModel  {name};")),
+        symbols: "",
+        choose: |_| None,
     },
     Kind {
         name: "conditions",
@@ -30,37 +33,55 @@ const KINDS: &[Kind] = &[
         intro: "Values of `type` in the `boundaryField` of a field file. Patches of a coupled or \
                 constrained kind (cyclic, wedge, empty, symmetry, symmetryPlane) take the \
                 condition of that name.",
-        choose: |name| Some(format!("type  {name};")),
+        symbols: "`phi_f`: the value on the face, `phi_P`: in the cell behind it, `h`: distance of that cell's centre from the \
+                  face, `n`: outward unit normal, `S`: area vector, `flux`: outward volume flux, `t`: time, `x_f`: middle of the face. \
+                  `value` may stand in every patch's dictionary as OpenFOAM writes it.",
+        choose: |_| None,
     },
     Kind {
         name: "waves",
         title: "Waves",
         intro: "Values of `waveModel` for a patch in `constant/waveProperties`, where its conditions \
                 are `waveAlpha` and `waveVelocity`.",
-        choose: |name| Some(format!("waveModel  {name};")),
+        symbols: "`eta`: elevation of the surface over still water, `H`: height from trough to crest, `T`: period, `h`: depth, `a`: angle \
+                  against the inward normal, `theta`: phase, `X`: distance ahead of the crest, `k`: wave number, `z`: height over the bottom.",
+        choose: |_| None,
     },
     Kind {
         name: "schemes",
         title: "Schemes",
         intro: "Words of `system/fvSchemes`.",
+        symbols: "`phi_f`: value on a face, `_P`, `_N`: of its two cells, `_U`, `_D`: of the cell upstream and downstream, `d`: from one \
+                  centre to the other, `n`: unit normal, `w`: weight of linear interpolation, `_0`, `_00`: one and two steps earlier, `k`: the number behind the name.",
         choose: |_| None,
     },
     Kind {
         name: "solvers",
         title: "Linear solvers",
         intro: "Values of `solver`, `preconditioner` and `smoother` in `system/fvSolution`.",
+        symbols: "`A x = b`, `r = b - A x`, `A = L + D + U`, `M` the preconditioner.",
         choose: |_| None,
     },
     Kind {
         name: "functions",
         title: "Functions",
         intro: "Values of `type` in the `functions` of `system/controlDict`.",
-        choose: |name| Some(format!("type  {name};")),
+        symbols: "`phi`: a field, `_P`: of a cell, `_f`: on a face, `V`: volume of a cell, `S`: area vector of a face, `n`: unit normal, \
+                  `eta`: viscosity.",
+        choose: |_| None,
+    },
+    Kind {
+        name: "sources",
+        title: "Sources",
+        intro: "Values of `type` in `constant/fvOptions`: forces on the bulk.",
+        symbols: "`U`: velocity, `V`: volume of a cell, `eta`: viscosity, `rho`: density. With one fluid forces are over the density, m/s2.",
+        choose: |_| None,
     },
     Kind {
         name: "cases",
         title: "Cases",
         intro: "Cases that come with the program.",
+        symbols: "",
         choose: |name| Some(format!("granflow new {name}\ngranflow run {name}")),
     },
 ];
@@ -149,8 +170,10 @@ fn pages(granflow: &Path, root: &Path) -> Result<BTreeMap<PathBuf, String>, Stri
         for (name, entries) in &entries {
             contents += &format!("  - [{name}](reference/{}/{name}.md)\n", kind.name);
             let example = root.join("book/examples").join(kind.name).join(format!("{name}.txt"));
-            let example = fs::read_to_string(example).ok().or_else(|| (kind.choose)(name));
-            pages.insert(dir.join(format!("{name}.md")), page(name, entries, example.as_deref()));
+            let text = fs::read_to_string(&example).ok().or_else(|| (kind.choose)(name));
+            let text =
+                text.ok_or_else(|| format!("{}: an example is missing", example.display()))?;
+            pages.insert(dir.join(format!("{name}.md")), page(name, entries, kind.symbols, &text));
         }
         pages.insert(dir.join("index.md"), index(kind, &entries));
     }
@@ -220,7 +243,11 @@ fn entries(kind: &Kind, granflow: &Path) -> Result<Entries, String> {
     for entry in list {
         let text = |key: &str| entry[key].as_str().filter(|t| !t.is_empty());
         let name = text("name").ok_or_else(|| said("has an entry without a name"))?;
-        for key in ["summary", "reference"] {
+        let wanted: &[&str] = match kind.name {
+            "cases" => &["summary", "reference"],
+            _ => &["summary", "reference", "formula"],
+        };
+        for key in wanted {
             text(key).ok_or_else(|| said(&format!("has an entry without {key}: {name}")))?;
         }
         if name.contains(['/', '\\', ' ']) {
@@ -237,7 +264,7 @@ fn entries(kind: &Kind, granflow: &Path) -> Result<Entries, String> {
 const NOTE: &str = "<!-- Written by `cargo xtask docs` from the registry and from book/examples: \
                     change those, not this page. -->\n\n";
 
-fn page(name: &str, entries: &[Value], example: Option<&str>) -> String {
+fn page(name: &str, entries: &[Value], symbols: &str, example: &str) -> String {
     let mut out = format!("{NOTE}# {name}\n\n");
     for entry in entries {
         let text = |key: &str| entry[key].as_str().filter(|t| !t.is_empty());
@@ -256,14 +283,27 @@ fn page(name: &str, entries: &[Value], example: Option<&str>) -> String {
             }
         }
         if let Some(formula) = text("formula") {
-            out += &format!("```text\n{}\n```\n\n", formula.trim());
+            out += &format!("```text\n{}\n```\n\n", formula.trim().replace("; ", "\n"));
+            if !symbols.is_empty() {
+                out += &format!("{symbols}\n\n");
+            }
         }
+        out += &keys(entry);
         out += &format!("Reference: {}.\n\n", escape(text("reference").unwrap_or_default()));
     }
-    if let Some(example) = example {
-        out += &format!("## Example\n\n```text\n{}\n```\n", example.trim_end());
-    }
+    out += &format!("## Example\n\n```text\n{}\n```\n", example.trim_end());
     out.trim_end().to_owned() + "\n"
+}
+
+/// The table of an entry's keys, if it has any.
+fn keys(entry: &Value) -> String {
+    let Some(keys) = entry["keys"].as_array() else { return String::new() };
+    let mut out = String::from("| entry | |\n|---|---|\n");
+    for key in keys {
+        let text = |i: usize| key[i].as_str().unwrap_or_default();
+        out += &format!("| `{}` | {} |\n", text(0), escape(text(1)));
+    }
+    out + "\n"
 }
 
 fn index(kind: &Kind, entries: &Entries) -> String {
@@ -326,10 +366,11 @@ mod tests {
 
     #[test]
     fn a_page_holds_what_the_registry_says() {
-        let entry = json!({"name": "x", "summary": "thin (n < 1) | thick", "formula": "a*b",
-                           "reference": "A. Author, J. 1 (2000) 1"});
-        let text = page("x", &[entry], Some("type x;\n"));
-        let expected = "# x\n\nThin (n &lt; 1) \\| thick.\n\n```text\na*b\n```\n\nReference: A. Author, J. 1 \
+        let entry = json!({"name": "x", "summary": "thin (n < 1) | thick", "formula": "a*b; b",
+                           "reference": "A. Author, J. 1 (2000) 1", "keys": [["k", "m/s"]]});
+        let text = page("x", &[entry], "`a`: one.", "type x;\n");
+        let expected = "# x\n\nThin (n &lt; 1) \\| thick.\n\n```text\na*b\nb\n```\n\n`a`: one.\n\n| entry | \
+                        |\n|---|---|\n| `k` | m/s |\n\nReference: A. Author, J. 1 \
                         (2000) 1.\n\n## Example\n\n```text\ntype x;\n```\n";
         assert!(text.ends_with(expected), "{text}");
     }
@@ -337,7 +378,7 @@ mod tests {
     #[test]
     fn one_name_for_two_things_makes_one_page() {
         let entry = |kind: &str| json!({"name": "GAMG", "kind": kind, "summary": format!("a {kind}"), "reference": "R"});
-        let text = page("GAMG", &[entry("solver"), entry("preconditioner")], None);
+        let text = page("GAMG", &[entry("solver"), entry("preconditioner")], "", "x");
         assert!(
             text.contains("## As solver\n\nA solver.") && text.contains("## As preconditioner")
         );

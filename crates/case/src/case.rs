@@ -4,7 +4,7 @@ use crate::boundary::Patches;
 use crate::collect::tidy;
 use crate::config::{ReferenceCell, StartFrom};
 use crate::files::DiskFiles;
-use crate::functions::{Remembered, remembered};
+use crate::functions::{Around, Remembered, remembered};
 use crate::restart::{WholeState, start_dir};
 use crate::{CaseConfig, CaseError, Notices, WaveTable, Zones, config, figures, files};
 use crate::{meshing, sense, set_fields, strays};
@@ -106,7 +106,7 @@ impl Case {
         sink: &Sink,
         notices: &Notices,
     ) -> Result<Case, CaseError> {
-        let config = CaseConfig::read(root, sink, notices)?;
+        let mut config = CaseConfig::read(root, sink, notices)?;
         let loaded = meshing::load(root, sink)?;
         let poly = loaded.poly;
         let mesh = match meshing::prepare(&poly) {
@@ -129,6 +129,9 @@ impl Case {
         let end = options.until.unwrap_or(config.control.end);
         let start = WholeState::read(root, &dir, (&config, end), &poly, sink)?;
         strays::check(root, &dir, &config, sink)?;
+        let zones = zones_of(root, &config, (&poly, &mesh), sink)?;
+        let around = Around { poly: &poly, mesh: &mesh, zones: &zones };
+        config.functions.iter_mut().for_each(|f| f.plan.place(&around, sink));
         for f in &config.functions {
             f.plan.check(&mesh, &config, sink);
         }
@@ -145,7 +148,7 @@ impl Case {
         let waves = WaveTable::read(root, &start, whole, (&poly, &mesh), sink)?;
         let times = Some((start.time, end));
         let clock = (start.restarted, times);
-        let sources = read_sources(root, &dir, &config, clock, (&poly, &mesh), (sink, notices))?;
+        let sources = read_sources(root, &dir, &config, clock, (&zones, &mesh), (sink, notices))?;
         need_time_ahead(&config, options, &start, end, sink);
         let mut case = Case {
             root: root.to_owned(),
@@ -291,22 +294,34 @@ fn need_time_ahead(
     });
 }
 
+/// The zones of a case, where somebody asks for them.
+fn zones_of(
+    root: &Path,
+    config: &CaseConfig,
+    (poly, mesh): (&PolyMesh, &Mesh),
+    sink: &Sink,
+) -> Result<Zones, CaseError> {
+    let wanted = config.functions.iter().any(|f| f.plan.wants_zones());
+    if !wanted && !config::sources::present(root) && !config::mrf::present(root) {
+        return Ok(Zones::default());
+    }
+    Zones::read(root, poly, mesh, sink)
+}
+
 /// The sources of a case as they are at the time directory `dir`, frames that turn behind forces.
 fn read_sources(
     root: &Path,
     dir: &str,
     config: &CaseConfig,
     (restarted, times): (bool, Option<(f64, f64)>),
-    (poly, mesh): (&PolyMesh, &Mesh),
+    (zones, mesh): (&Zones, &Mesh),
     (sink, notices): (&Sink, &Notices),
 ) -> Result<Vec<Box<dyn Source>>, CaseError> {
     if !config::sources::present(root) && !config::mrf::present(root) {
-        // Nobody asks for zones.
         return Ok(Vec::new());
     }
-    let zones = Zones::read(root, poly, mesh, sink)?;
     let of = (config.acceleration_to_force(), config.transport.second.is_some());
-    let mut sources = config::sources::read(root, mesh, &zones, of, sink)?;
+    let mut sources = config::sources::read(root, mesh, zones, of, sink)?;
     for source in &mut sources {
         let Some(m) = source.held_mut() else { continue };
         let file = format!("{dir}/uniform/{}Properties", m.name);
@@ -325,7 +340,7 @@ fn read_sources(
     }
     let files = DiskFiles::new(root);
     let case = CaseContext { files: &files, density: config.transport.rho, times };
-    sources.extend(config::mrf::read(root, mesh, &zones, case, sink)?);
+    sources.extend(config::mrf::read(root, mesh, zones, case, sink)?);
     Ok(sources)
 }
 

@@ -82,6 +82,12 @@ pub fn import(
     options: &Options,
     sink: &Sink,
 ) -> Result<Imported, CaseError> {
+    if file.is_dir() {
+        let message = "this is a directory, not the file of a mesh";
+        let d = Diag::file(file.display().to_string(), message);
+        sink.push(d.help("name a .msh or .vtu file"));
+        return Err(CaseError::Invalid);
+    }
     let Some(src) = files::source(Path::new(""), file)? else {
         let d = Diag::file(file.display().to_string(), "there is no such file");
         sink.push(d);

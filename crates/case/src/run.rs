@@ -78,6 +78,8 @@ pub struct Run {
     n_written: usize,
     /// The step at whose end functions acted last, while its state is the present one.
     moment: Option<Moment>,
+    /// Whether each function has made its fields in this run.
+    executed: Vec<bool>,
     /// Held by runs that were loaded here.
     lock: Option<CaseLock>,
     set_aside: Option<SetAside>,
@@ -159,6 +161,7 @@ impl Run {
             last_written: (case.start.dir.clone(), began),
             n_written: 0,
             moment: None,
+            executed: vec![false; case.config.functions.len()],
             lock: None,
             set_aside,
             pace: None,

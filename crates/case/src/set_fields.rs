@@ -220,7 +220,7 @@ pub(crate) fn region_names() -> impl Iterator<Item = &'static str> {
     REGIONS.iter().map(|r| r.0)
 }
 
-type Inside = Box<dyn Fn(Vec3) -> bool>;
+pub(crate) type Inside = Box<dyn Fn(Vec3) -> bool>;
 /// A kind of region: its name, and how it is read.
 type Region = (&'static str, fn(&Reader<'_>) -> Inside);
 
@@ -235,7 +235,7 @@ pub(crate) fn cells_of(kind: &str, r: &Reader<'_>, mesh: &Mesh) -> Option<Vec<us
     Some((0..mesh.n_cells).filter(|&c| inside(mesh.cell_centre[c])).collect())
 }
 
-fn in_box(r: &Reader<'_>) -> Inside {
+pub(crate) fn in_box(r: &Reader<'_>) -> Inside {
     let mut boxes = Vec::new();
     let mut corner_pair = |list: &mut TokenReader<'_>| {
         let lo = list.vector("the lower corner");

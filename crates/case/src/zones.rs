@@ -1,10 +1,15 @@
-//! Named sets of cells: `constant/polyMesh/cellZones`, and what `system/topoSetDict` would make of the
-//! mesh.
+//! Named sets of cells and faces: `constant/polyMesh/cellZones` and `faceZones`, and what
+//! `system/topoSetDict` would make of the mesh.
 //!
 //! The reference tool needs its utility `topoSet` to be run first. Here the dictionary is read where a
 //! zone is asked for, and nothing is written.
 
+mod faces;
+
+pub(crate) use faces::ZoneFace;
+
 use crate::{CaseError, files, set_fields};
+use faces::FaceZones;
 use granflow_dict::{
     Payload, Reader, Severity, Sink, Source, Tok, Value, nearest, parse_list_file,
 };
@@ -16,9 +21,12 @@ use std::sync::Arc;
 const FILE: &str = "constant/polyMesh/cellZones";
 const TOPO_SET: &str = "system/topoSetDict";
 
-/// Sets of cells by name, in the user's numbering.
+/// Sets of cells and of faces by name, in the user's numbering.
 #[derive(Clone, Debug, Default)]
-pub struct Zones(BTreeMap<String, Vec<u32>>);
+pub struct Zones {
+    cells: BTreeMap<String, Vec<u32>>,
+    faces: FaceZones,
+}
 
 impl Zones {
     /// Reads the zones of a case. Mistakes go to the sink.
@@ -33,25 +41,28 @@ impl Zones {
     ) -> Result<Zones, CaseError> {
         let mut zones = Zones::default();
         for zone in &poly.cell_zones {
-            zones.0.insert(zone.name.clone(), zone.cells.clone());
+            zones.cells.insert(zone.name.clone(), zone.cells.clone());
         }
         if let Some(source) = files::source(root, FILE)? {
             zones.read_file(source, mesh.n_cells, sink);
         }
+        if let Some(source) = files::source(root, faces::FILE)? {
+            zones.faces.read_file(source, poly.n_faces(), sink);
+        }
         if let Some(dict) = files::dict(root, TOPO_SET, sink)? {
-            zones.make(&Reader::new(&dict, sink), mesh);
+            zones.make(&Reader::new(&dict, sink), poly, mesh);
         }
         Ok(zones)
     }
 
     /// The cells of the zone `name`, in the user's numbering.
     pub fn get(&self, name: &str) -> Option<&[u32]> {
-        self.0.get(name).map(Vec::as_slice)
+        self.cells.get(name).map(Vec::as_slice)
     }
 
     /// Names of all zones.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.0.keys().map(String::as_str)
+        self.cells.keys().map(String::as_str)
     }
 
     /// `N ( name { type cellZone; cellLabels List<label> n (...); } ... )`.
@@ -63,28 +74,32 @@ impl Zones {
             let Value::Dict(zone) = &entry.value else { continue };
             let r = Reader::new(zone, sink);
             if let Some(cells) = labels(&r, "cellLabels", n) {
-                self.0.insert(entry.key.text().to_owned(), sorted(cells));
+                self.cells.insert(entry.key.text().to_owned(), sorted(cells));
             }
         }
     }
 
     /// The actions of `topoSetDict`, in their order.
-    fn make(&mut self, r: &Reader<'_>, mesh: &Mesh) {
+    fn make(&mut self, r: &Reader<'_>, poly: &PolyMesh, mesh: &Mesh) {
         let Some(mut list) = r.list("actions") else { return };
         while !list.is_empty() {
             let Some(action) = list.dict("an action") else { break };
-            self.act(&action, mesh);
+            self.act(&action, poly, mesh);
             // Of an action that is not understood nothing more is said.
             action.finish(Severity::Error);
         }
         r.ignore_all();
     }
 
-    fn act(&mut self, r: &Reader<'_>, mesh: &Mesh) {
+    fn act(&mut self, r: &Reader<'_>, poly: &PolyMesh, mesh: &Mesh) {
         let name = r.word("name").to_owned();
         let kind = r.word("type").to_owned();
+        if matches!(kind.as_str(), "faceSet" | "faceZoneSet") {
+            self.faces.act(r, &name, &self.cells, (poly, mesh));
+            return;
+        }
         if !matches!(kind.as_str(), "cellSet" | "cellZoneSet") {
-            // Sets of faces and points: nothing here asks for them.
+            // Sets of points: nothing here asks for them.
             r.ignore_all();
             return;
         }
@@ -96,7 +111,7 @@ impl Zones {
             r.ignore("sourceInfo");
         }
         if matches!(action, "clear" | "remove") {
-            self.0.insert(name, Vec::new());
+            self.cells.insert(name, Vec::new());
             return;
         }
         let known = self.get(&name).is_some();
@@ -105,10 +120,10 @@ impl Zones {
         }
         // A zone may have the name of the set that it is made of.
         let found = if action == "invert" { Vec::new() } else { self.source(r, mesh) };
-        let mut now = self.0.remove(&name).unwrap_or_default();
+        let mut now = self.cells.remove(&name).unwrap_or_default();
         if action == "invert" {
             now = (0..mesh.n_cells as u32).filter(|c| now.binary_search(c).is_err()).collect();
-            self.0.insert(name, now);
+            self.cells.insert(name, now);
             return;
         }
         let chosen = match action {
@@ -120,7 +135,7 @@ impl Zones {
             "subset" => now.into_iter().filter(|c| found.binary_search(c).is_ok()).collect(),
             _ => now.into_iter().filter(|c| found.binary_search(c).is_err()).collect(),
         };
-        self.0.insert(name, sorted(chosen));
+        self.cells.insert(name, sorted(chosen));
     }
 
     /// The cells that `source` of an action finds, in ascending order.
@@ -178,7 +193,7 @@ impl Zones {
         }
         self.get(name).unwrap_or_else(|| {
             let near = nearest(name, self.names());
-            let help = match (near, self.0.is_empty()) {
+            let help = match (near, self.cells.is_empty()) {
                 (Some(near), _) => format!("did you mean `{near}`?"),
                 (None, true) => format!("the case has none: give them in {FILE} or {TOPO_SET}"),
                 (None, false) => {
@@ -191,10 +206,22 @@ impl Zones {
     }
 }
 
+impl Zones {
+    /// The faces of the zone that the entry `key` names, each with its direction.
+    pub(crate) fn expect_faces(&self, r: &Reader<'_>, key: &str, name: &str) -> Vec<ZoneFace> {
+        self.faces.expect(r, key, name)
+    }
+}
+
 const SETS: [&str; 4] = ["cellToCell", "zoneToCell", "setToCellZone", "labelToCell"];
 
 /// A list of cells of a mesh with `n`.
 fn labels(r: &Reader<'_>, key: &str, n: usize) -> Option<Vec<u32>> {
+    labels_of(r, key, ("cell", n))
+}
+
+/// A list of numbers of which there are `n`.
+fn labels_of(r: &Reader<'_>, key: &str, (what, n): (&str, usize)) -> Option<Vec<u32>> {
     let list = r.raw(key)?.last()?;
     let cells: Option<Vec<i64>> = match &list.kind {
         Tok::Packed(p) => match &**p {
@@ -204,12 +231,13 @@ fn labels(r: &Reader<'_>, key: &str, n: usize) -> Option<Vec<u32>> {
         _ => list.list().and_then(|l| l.iter().map(|t| t.label()).collect()),
     };
     let Some(cells) = cells else {
-        r.error_at_key(key, "expected a list of cells", "not a list of cells", None);
+        let message = format!("expected a list of {what}s");
+        r.error_at_key(key, message, format!("not a list of {what}s"), None);
         return None;
     };
     let own = |c: &i64| usize::try_from(*c).is_ok_and(|c| c < n);
     if let Some(beyond) = cells.iter().find(|c| !own(c)) {
-        let message = format!("there is no cell {beyond}: the mesh has {n} cells");
+        let message = format!("there is no {what} {beyond}: there are {n}");
         r.error_at_key(key, message, "beyond the mesh", None);
         return None;
     }

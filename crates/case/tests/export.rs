@@ -30,6 +30,8 @@ fn case(root: &Path) -> usize {
     };
     put("T", "volScalarField", "scalar", list(|c| format!("{c}.5")));
     put("U", "volVectorField", "vector", list(|c| format!("({c} 0 -1)")));
+    put("R", "volSymmTensorField", "symmTensor", list(|c| format!("({c} 1 2 3 4 5)")));
+    put("G", "volTensorField", "tensor", list(|c| format!("({c} 1 2 3 4 5 6 7 8)")));
     put("phi", "surfaceScalarField", "scalar", list(|_| "0".into()));
     fs::write(root.join("0.25/notes"), "not a dictionary {").unwrap();
     n
@@ -80,7 +82,10 @@ fn fields_and_mesh_can_be_read_back() {
     let sink = Sink::new();
     let done = export(dir.path(), &sink).unwrap();
     assert_eq!(sink.take().to_string(), "");
-    assert_eq!((done.times, done.fields), (vec!["0.25".to_owned()], vec!["T".into(), "U".into()]));
+    assert_eq!(
+        (done.times, done.fields),
+        (vec!["0.25".to_owned()], ["G", "R", "T", "U"].map(str::to_owned).to_vec())
+    );
     let file = fs::read(dir.path().join("VTK/0.25.vtu")).unwrap();
     let (xml, data) = halves(&file);
     assert!(xml.contains(&format!("<Piece NumberOfPoints=\"36\" NumberOfCells=\"{n}\">")), "{xml}");
@@ -89,6 +94,12 @@ fn fields_and_mesh_can_be_read_back() {
     assert_eq!(numbers(&array(&xml, data, "T")), t);
     assert_eq!(attribute(&xml, "U", "NumberOfComponents"), "3");
     assert_eq!(numbers(&array(&xml, data, "U"))[3..9], [1.0, 0.0, -1.0, 2.0, 0.0, -1.0]);
+    // VTK's order of a symmetric tensor is xx yy zz xy yz xz.
+    assert_eq!(attribute(&xml, "R", "NumberOfComponents"), "6");
+    assert_eq!(numbers(&array(&xml, data, "R"))[6..12], [1.0, 3.0, 5.0, 1.0, 4.0, 2.0]);
+    assert_eq!(attribute(&xml, "G", "NumberOfComponents"), "9");
+    let rows: Vec<f64> = std::iter::once(1.0).chain((1..9).map(f64::from)).collect();
+    assert_eq!(numbers(&array(&xml, data, "G"))[9..18], rows);
     assert_eq!(array(&xml, data, "types"), vec![13; n], "prisms are wedges");
     assert_eq!(array(&xml, data, "connectivity").len(), 8 * 6 * n);
     assert_eq!(numbers(&array(&xml, data, "Points")).len(), 3 * 36);

@@ -6,7 +6,6 @@ mod common;
 
 use common::*;
 use granflow_mesh::shapes;
-use std::path::Path;
 
 const U: &str = "dimensions [0 1 -1 0 0 0 0]; internalField uniform (0 0 0); boundaryField {
     inner { type noSlip; } outer { type noSlip; }

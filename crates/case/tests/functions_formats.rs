@@ -219,7 +219,15 @@ fn sets_have_a_file_a_rank_in_every_format() {
     let set = |name: &str, format: &str| {
         format!("{name} {{ type sets; setFormat {format}; fields (p \"mag(U)\" U); {line} }}")
     };
-    let all = [set("raw", "raw"), set("csv", "csv"), set("vtk", "vtk"), set("gnu", "gnuplot")];
+    let formats = [
+        ("raw", "raw"),
+        ("csv", "csv"),
+        ("vtk", "vtk"),
+        ("gnu", "gnuplot"),
+        ("agr", "xmgr"),
+        ("dat", "jplot"),
+    ];
+    let all = formats.map(|(name, format)| set(name, format));
     let dir = couette(&format!("m {{ type mag; field U; }} {}", all.join("\n")));
     run(dir.path(), &until(3000.0));
     let root = dir.path();
@@ -245,6 +253,21 @@ fn sets_have_a_file_a_rank_in_every_format() {
     let start =
         "set term postscript color\nset output \"l.ps\"\nplot \"-\" title \"U\" with lines\n0\t";
     assert!(gnu.starts_with(start) && gnu.ends_with("\ne\n"), "{gnu}");
+    // Of several fields each has an axis of its own, and each format its heads.
+    let both = text("gnu/3000/l_mag(U)_p.gplt");
+    let start = "set term postscript color\nset output \"l.ps\"\nset ylabel \"mag(U)\"\nset y2label \"p\"\n\
+                 set ytics nomirror\nset y2tics\nplot \"-\" title \"mag(U)\" with lines axes x1y1, \"-\" title \
+                 \"p\" with lines axes x1y2\n0\t";
+    assert!(both.starts_with(start), "{both}");
+    let agr = text("agr/3000/c_mag(U)_p.agr");
+    let start = "@g0 on\n@with g0\n@    title \"c\"\n@    xaxis label \"xyz\"\n@    s0 legend \"mag(U)\"\n\
+                 @target G0.S0\n0.1\t0.05\t0.05\t";
+    assert!(agr.starts_with(start) && agr.ends_with("\n&\n"), "{agr}");
+    assert!(agr.contains("\n&\n@    s1 legend \"p\"\n@target G0.S1\n"), "{agr}");
+    let dat = text("dat/3000/l_mag(U)_p.dat");
+    let start = "# JPlot file\n# column 1: l\n# column 2: mag(U)\n# column 3: p\n0\t";
+    assert!(dat.starts_with(start), "{dat}");
+    assert_eq!(dat.lines().count(), 4 + 5);
 }
 
 #[test]
@@ -347,12 +370,13 @@ fn packaged_functions_are_included() {
 #[test]
 fn what_is_not_there_is_refused_by_name() {
     let dir = couette(
-        "a { type yPlus; } b { type surfaces; fields (U); surfaces ( s { type distanceSurface; } ); }
+        "a { type yPlus; } b { type surfaces; fields (U); surfaces ( s { type distanceSurface;
+         surfaceType triSurfaceMesh; } ); }
          c { type volFieldValue; operation volAverage; regionType cellZone; name z; fields (U); }
          d { type fieldAverage; fields ( U { window 3; } ); } e { type probes; fields (vorticity);
          probeLocations ((0 0 0)); } f { type vorticity; } g { type forces; patches (yMax);
          porosity yes; } #includeFunc streamlinez
-         h { type sets; fields (U); sets ( l { type patchSeed; } ); } i { type volFieldValue;
+         h { type sets; fields (U); sets ( l { type patchEdge; } ); } i { type volFieldValue;
          operation volAverge; fields (U); } j { type mag; field U; result p; }
          k { type magSqr; field U; } l { type magSqr; field U; }",
     );
@@ -360,14 +384,14 @@ fn what_is_not_there_is_refused_by_name() {
     for text in [
         "the function `yPlus` is not supported",
         "there is no turbulence model",
-        "surfaces of type `distanceSurface` are not supported",
-        "`regionType cellZone` is not supported",
+        "`triSurfaceMesh`: surfaces of triangles are not read",
+        "no cellZone `z`",
         "`window` is not supported",
         "unknown field `vorticity`",
         "what functions before this one make",
         "nothing is porous here",
         "there is no function `streamlinez` to include",
-        "sets of type `patchSeed` are not supported",
+        "sets of type `patchEdge` are not supported: it needs a surface of triangles",
         "`volAverge`",
         "the field `p` cannot be made under this name",
         "the field `magSqr(U)` cannot be made under this name",

@@ -5,7 +5,6 @@
 mod common;
 
 use common::*;
-use std::path::Path;
 
 /// A force without times in a zone that is named as its set is, a porous body over the other half, and a
 /// force whose time has not come.

@@ -176,6 +176,8 @@ pub enum Listing {
     Solvers,
     /// type of a function in system/controlDict
     Functions,
+    /// type of a force in constant/fvOptions
+    Sources,
     /// built-in cases, for granflow new
     Cases,
 }

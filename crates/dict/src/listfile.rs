@@ -171,7 +171,7 @@ fn entries(items: Vec<Token>) -> Payload {
 fn of_tokens(mut out: Vec<Token>, elem: Option<Elem>) -> Payload {
     let Some(t) = out.pop() else { return Payload::Tokens(out) };
     let typed = match elem {
-        Some(Elem::Label) => t.labels().map(Payload::Labels),
+        Some(Elem::Label | Elem::Flag) => t.labels().map(Payload::Labels),
         Some(Elem::Scalar) => t.scalars().map(Payload::Scalars),
         Some(Elem::Vector) => t.vectors().map(Payload::Vectors),
         _ => None,

@@ -72,6 +72,8 @@ impl Payload {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Elem {
     Label,
+    /// Yes or no, as labels 1 and 0.
+    Flag,
     Scalar,
     Vector,
     SymmTensor,
@@ -84,6 +86,7 @@ impl Elem {
     pub(crate) fn of_type(name: &str) -> Option<Elem> {
         Some(match name {
             "label" => Elem::Label,
+            "bool" => Elem::Flag,
             "scalar" | "sphericalTensor" => Elem::Scalar,
             "vector" | "point" => Elem::Vector,
             "symmTensor" => Elem::SymmTensor,
@@ -106,7 +109,7 @@ impl Elem {
     }
     fn empty(self) -> Payload {
         match self {
-            Elem::Label => Payload::Labels(Vec::new()),
+            Elem::Label | Elem::Flag => Payload::Labels(Vec::new()),
             Elem::Scalar => Payload::Scalars(Vec::new()),
             Elem::Vector => Payload::Vectors(Vec::new()),
             Elem::SymmTensor => Payload::SymmTensors(Vec::new()),
@@ -180,7 +183,7 @@ pub(crate) type Read<T> = Result<(T, usize), ListError>;
 /// Reads the ascii items behind `(` up to and with `)`.
 pub(crate) fn ascii(b: &[u8], at: usize, elem: Elem) -> Read<Payload> {
     Ok(match elem {
-        Elem::Label => labels(b, at).map(|(x, end)| (Payload::Labels(x), end))?,
+        Elem::Label | Elem::Flag => labels(b, at).map(|(x, end)| (Payload::Labels(x), end))?,
         Elem::Scalar => scalars(b, at).map(|(x, end)| (Payload::Scalars(x), end))?,
         Elem::Vector => tuples(b, at).map(|(x, end)| (Payload::Vectors(x), end))?,
         Elem::SymmTensor => tuples(b, at).map(|(x, end)| (Payload::SymmTensors(x), end))?,
@@ -359,6 +362,7 @@ pub(crate) fn binary(b: &[u8], at: usize, elem: Elem, n: usize, arch: Arch) -> R
     }
     let (width, parts) = match elem {
         Elem::Label => (arch.label_bytes, 1),
+        Elem::Flag => (1, 1),
         Elem::Scalar => (arch.scalar_bytes, 1),
         Elem::Vector => (arch.scalar_bytes, 3),
         Elem::SymmTensor => (arch.scalar_bytes, 6),
@@ -385,6 +389,7 @@ pub(crate) fn binary(b: &[u8], at: usize, elem: Elem, n: usize, arch: Arch) -> R
     let size = width * parts;
     let payload = match elem {
         Elem::Label => Payload::Labels(raw.chunks_exact(width).map(|w| arch.label(w)).collect()),
+        Elem::Flag => Payload::Labels(raw.iter().map(|b| i64::from(*b != 0)).collect()),
         Elem::Scalar => Payload::Scalars(raw.chunks_exact(width).map(|w| arch.scalar(w)).collect()),
         Elem::Vector => Payload::Vectors(collect(raw, size, scalars)),
         Elem::SymmTensor => Payload::SymmTensors(collect(raw, size, scalars)),

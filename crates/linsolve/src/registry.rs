@@ -49,6 +49,8 @@ pub struct Entry {
     pub reference: &'static str,
     /// One line for people.
     pub summary: &'static str,
+    /// A step of the method on `A x = b`, `r = b - A x`, `A = L + D + U`.
+    pub formula: &'static str,
 }
 
 const fn entry(
@@ -57,8 +59,9 @@ const fn entry(
     mapped_onto: Option<&'static str>,
     reference: &'static str,
     summary: &'static str,
+    formula: &'static str,
 ) -> Entry {
-    Entry { name, kind, mapped_onto, reference, summary }
+    Entry { name, kind, mapped_onto, reference, summary, formula }
 }
 
 const TEMPLATES: &str = "Barrett et al., Templates for the Solution of Linear Systems, SIAM 1994";
@@ -66,31 +69,42 @@ const NOTAY: &str = "Notay, Electron. Trans. Numer. Anal. 37 (2010) 123";
 const HESTENES: &str = "Hestenes and Stiefel, J. Res. Nat. Bur. Stand. 49 (1952) 409";
 const VORST: &str = "van der Vorst, SIAM J. Sci. Stat. Comput. 13 (1992) 631";
 
+const CG: &str = "x += a p, r -= a A p, z = M^-1 r, p = z + (r'.z'/r.z) p; a = r.z/p.A p, ' after";
+const BICG: &str = "v = A M^-1 p, s = r - a v, t = A M^-1 s, x += M^-1 (a p + w s), r = s - w t; \
+                    a = r0.r/r0.v, w = t.s/t.t, p = r + b (p - w v), b = (a/w) r0.r'/r0.r";
+const ICD: &str = "z = (D' + U)^-1 D' (D' + L)^-1 r, D'_i = a_ii - sum_{j<i} a_ij^2/D'_j";
+const ILUD: &str = "z = (D' + U)^-1 D' (D' + L)^-1 r, D'_i = a_ii - sum_{j<i} a_ij a_ji/D'_j";
+const GS: &str = "x <- x + (D + L)^-1 (b - A x), then x <- x + (D + U)^-1 (b - A x)";
+
+const CYCLE: &str = "z = cycle(r): smooth z, e = A_c^-1 P^T (r - A z) by a cycle on fewer unknowns, z += P e, \
+                     smooth z; A_c = P^T A P, P: 1 where a cell is of an aggregate";
+const CYCLES: &str = "PCG or PBiCGStab with M^-1 r = cycle(r)";
+
 /// Every known name.
 #[rustfmt::skip]
 pub const ALL: &[Entry] = {
     use Kind::{Preconditioner as P, Smoother as M, Solver as S};
     &[
-        entry(S, "PCG", None, HESTENES, "conjugate gradients, symmetric matrices"),
-        entry(S, "PBiCGStab", None, VORST, "stabilised bi-conjugate gradients, any matrix"),
-        entry(S, "PBiCG", Some("PBiCGStab"), VORST, "served by PBiCGStab"),
-        entry(S, "GAMG", None, NOTAY, "Krylov iteration preconditioned by aggregation multigrid"),
-        entry(S, "smoothSolver", None, TEMPLATES, "sweeps of a smoother"),
-        entry(S, "diagonal", None, TEMPLATES, "division by the diagonal, iterated"),
-        entry(P, "DIC", None, TEMPLATES, "incomplete Cholesky, diagonal only"),
-        entry(P, "FDIC", Some("DIC"), TEMPLATES, "served by DIC"),
-        entry(P, "DILU", None, TEMPLATES, "incomplete LU, diagonal only"),
-        entry(P, "diagonal", None, TEMPLATES, "division by the diagonal"),
-        entry(P, "none", None, TEMPLATES, "no preconditioning"),
-        entry(P, "GAMG", None, NOTAY, "one cycle of aggregation multigrid"),
-        entry(M, "symGaussSeidel", None, TEMPLATES, "symmetric Gauss-Seidel, coloured in fixed blocks"),
-        entry(M, "GaussSeidel", Some("symGaussSeidel"), TEMPLATES, "served by symGaussSeidel"),
-        entry(M, "nonBlockingGaussSeidel", Some("symGaussSeidel"), TEMPLATES, "served by symGaussSeidel"),
-        entry(M, "DIC", None, TEMPLATES, "a step with incomplete Cholesky"),
-        entry(M, "FDIC", Some("DIC"), TEMPLATES, "served by DIC"),
-        entry(M, "DILU", None, TEMPLATES, "a step with incomplete LU"),
-        entry(M, "DICGaussSeidel", Some("symGaussSeidel"), TEMPLATES, "served by symGaussSeidel"),
-        entry(M, "DILUGaussSeidel", Some("symGaussSeidel"), TEMPLATES, "served by symGaussSeidel"),
+        entry(S, "PCG", None, HESTENES, "conjugate gradients, symmetric matrices", CG),
+        entry(S, "PBiCGStab", None, VORST, "stabilised bi-conjugate gradients, any matrix", BICG),
+        entry(S, "PBiCG", Some("PBiCGStab"), VORST, "served by PBiCGStab", BICG),
+        entry(S, "GAMG", None, NOTAY, "Krylov iteration preconditioned by aggregation multigrid", CYCLES),
+        entry(S, "smoothSolver", None, TEMPLATES, "sweeps of a smoother", "x <- x + M^-1 (b - A x), M the smoother's"),
+        entry(S, "diagonal", None, TEMPLATES, "division by the diagonal, iterated", "x <- x + D^-1 (b - A x)"),
+        entry(P, "DIC", None, TEMPLATES, "incomplete Cholesky, diagonal only", ICD),
+        entry(P, "FDIC", Some("DIC"), TEMPLATES, "served by DIC", ICD),
+        entry(P, "DILU", None, TEMPLATES, "incomplete LU, diagonal only", ILUD),
+        entry(P, "diagonal", None, TEMPLATES, "division by the diagonal", "z = D^-1 r"),
+        entry(P, "none", None, TEMPLATES, "no preconditioning", "z = r"),
+        entry(P, "GAMG", None, NOTAY, "one cycle of aggregation multigrid", CYCLE),
+        entry(M, "symGaussSeidel", None, TEMPLATES, "symmetric Gauss-Seidel, coloured in fixed blocks", GS),
+        entry(M, "GaussSeidel", Some("symGaussSeidel"), TEMPLATES, "served by symGaussSeidel", GS),
+        entry(M, "nonBlockingGaussSeidel", Some("symGaussSeidel"), TEMPLATES, "served by symGaussSeidel", GS),
+        entry(M, "DIC", None, TEMPLATES, "a step with incomplete Cholesky", "x <- x + z, z as of the preconditioner DIC"),
+        entry(M, "FDIC", Some("DIC"), TEMPLATES, "served by DIC", "x <- x + z, z as of the preconditioner DIC"),
+        entry(M, "DILU", None, TEMPLATES, "a step with incomplete LU", "x <- x + z, z as of the preconditioner DILU"),
+        entry(M, "DICGaussSeidel", Some("symGaussSeidel"), TEMPLATES, "served by symGaussSeidel", GS),
+        entry(M, "DILUGaussSeidel", Some("symGaussSeidel"), TEMPLATES, "served by symGaussSeidel", GS),
     ]
 };
 

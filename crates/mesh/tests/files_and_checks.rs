@@ -72,21 +72,26 @@ fn files_that_do_not_fit_are_refused() {
 
 #[test]
 fn a_good_mesh_is_reported_in_numbers() {
-    insta::assert_snapshot!(check(&shapes::unit_box([4, 2, 1])), @r#"
-        cells              8 (8 hexahedra)
-        faces              38 (10 inner)
-        points             30
+    insta::assert_snapshot!(check(&shapes::unit_box([4, 2, 2])), @r#"
+        cells              16 (16 hexahedra)
+        faces              68 (28 inner)
+        points             45
         extent             (0, 0, 0) to (1, 1, 1) m
-        cell volume        0.125 to 0.125 m3, together 1 m3
-        face area          0.125 to 0.5 m2
+        cell volume        0.0625 to 0.0625 m3, together 1 m3
+        face area          0.125 to 0.25 m2
         non-orthogonality  at most 0.0, mean 0.0 degrees
         skewness           at most 0.00
-        aspect ratio       at most 4.0
+        aspect ratio       at most 2.0
         volume ratio       at most 1.00 between neighbours
-        patch              xMin (patch): 2 faces, 1 m2
-        patch              xMax (patch): 2 faces, 1 m2
-        patch              yMin (patch): 4 faces, 1 m2
-        patch              yMax (patch): 4 faces, 1 m2
+                           smaller over larger at least 1, mean 1
+        face weight        at least 0.5, mean 0.5
+        edge length        0.25 to 0.5 m
+        flatness           at least 1, mean 1
+        determinant        at least 0.0877915, mean 0.0883904
+        patch              xMin (patch): 4 faces, 1 m2
+        patch              xMax (patch): 4 faces, 1 m2
+        patch              yMin (patch): 8 faces, 1 m2
+        patch              yMax (patch): 8 faces, 1 m2
         patch              zMin (patch): 8 faces, 1 m2
         patch              zMax (patch): 8 faces, 1 m2
         mesh ok

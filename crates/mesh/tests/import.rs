@@ -354,3 +354,18 @@ fn fluent_files_bring_zones_and_kinds() {
            = help: save the mesh as text (ASCII)
         "#);
 }
+
+/// A number of points or cells that the arrays do not bear out is said, and nothing of that size is
+/// made.
+#[test]
+fn vtu_numbers_that_fit_nothing_are_refused() {
+    let text = String::from_utf8(file("cells_ascii.vtu")).unwrap();
+    for key in ["NumberOfPoints", "NumberOfCells"] {
+        let (before, after) = text.split_once(&format!("{key}=\"")).unwrap();
+        let (_, rest) = after.split_once('"').unwrap();
+        for number in ["999999999999999999", "-1", "1e300", "many"] {
+            let said = message("a.vtu", format!("{before}{key}=\"{number}\"{rest}"));
+            assert!(said.contains(&format!("`{key}` is {number}")), "{said}");
+        }
+    }
+}

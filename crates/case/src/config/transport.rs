@@ -7,7 +7,9 @@ use granflow_flow::{Mixing, Pores};
 use granflow_linsolve::{SolverSpec, Tolerance, build};
 use granflow_mesh::{Mesh, shapes};
 use granflow_par::Exec;
-use granflow_physics::rheology::{self, FluidContext, Granular, NgfNumerics, Rheology};
+use granflow_physics::rheology::{
+    self, FluidContext, Granular, LawValues, NgfNumerics, Points, Rheology,
+};
 use std::path::Path;
 
 /// What `transportProperties` says.
@@ -234,6 +236,25 @@ impl Transport {
             second: None,
             dict: Dict::new(),
         }
+    }
+
+    /// Viscosity at the strain rate `rate` (1/s), Pa s, of a fluid for which it depends on nothing else.
+    pub fn viscosity_at(&self, mesh: &Mesh, rate: f64) -> Option<f64> {
+        if self.grains.is_some() {
+            return None;
+        }
+        let exec = Exec::serial();
+        let context = FluidContext {
+            density: self.rho,
+            exec: &exec,
+            mesh,
+            fluidity_conditions: Vec::new(),
+            numerics: any_numerics()?,
+        };
+        let points = Points { strain_rate: &[rate], pressure: &[0.0], density: self.rho };
+        let (mut viscosity, mut slopes) = ([0.0], [[0.0; 2]]);
+        let out = LawValues { viscosity: &mut viscosity, slopes: &mut slopes };
+        self.rheology(context).at_points(&exec, &points, out).then_some(viscosity[0])
     }
 
     /// The rheology on a mesh. The dictionary was checked before: nothing is reported again.

@@ -6,6 +6,7 @@ mod cells;
 pub(crate) mod poly_data;
 mod vtu;
 
+use crate::functions::field_values;
 use crate::store::{DirWriter, Operation, StoreError, list_times};
 use crate::{CaseError, files, meshing};
 use arrays::Array;
@@ -113,15 +114,29 @@ fn read(
     };
     let class = dict.header().and_then(|h| h.word("class")).unwrap_or("").to_owned();
     let n = poly.n_cells();
-    let data = match class.as_str() {
-        "volScalarField" => values::<f64>(&dict, n, &aside),
-        "volVectorField" => values::<Vec3>(&dict, n, &aside),
-        "volTensorField" => values::<Tensor>(&dict, n, &aside),
+    let (components, data) = match class.as_str() {
+        "volScalarField" => (1, values::<f64>(&dict, n, &aside)),
+        "volVectorField" => (3, values::<Vec3>(&dict, n, &aside)),
+        "volTensorField" => (9, values::<Tensor>(&dict, n, &aside)),
+        "volSphericalTensorField" => (1, values::<f64>(&dict, n, &aside)),
+        "volSymmTensorField" => (6, symmetric(&dict, n, &aside)),
         _ => return Ok(None),
     };
     sink.extend(aside.take());
-    let components = data.len() / n.max(1);
     Ok(Some(Array { name: name.to_owned(), components, data }))
+}
+
+/// Symmetric tensors in VTK's order, xx yy zz xy yz xz; the file has xx xy xz yy yz zz.
+fn symmetric(dict: &Dict, n: usize, sink: &Sink) -> Vec<f64> {
+    const ORDER: [usize; 6] = [0, 3, 5, 1, 4, 2];
+    let found = dict.stream("internalField").and_then(|t| field_values(t, n, 6));
+    let Some(all) = found else {
+        let r = Reader::new(dict, sink);
+        let message = format!("`internalField` must be {n} symmetric tensors, or one for all");
+        r.error_at_key("internalField", message, "six numbers each", None);
+        return vec![0.0; 6 * n];
+    };
+    all.chunks_exact(6).flat_map(|v| ORDER.map(|k| v[k])).collect()
 }
 
 fn values<T: Value>(dict: &Dict, n: usize, sink: &Sink) -> Vec<f64> {

@@ -11,6 +11,10 @@ use granflow_base::{Dims, Vec3, add, cross, dot, norm, scale, sub, unit};
 use granflow_dict::Reader;
 use std::collections::BTreeMap;
 
+/// Arrows and stream lines are no nearer to each other than this share of the figure: beyond it they are a
+/// black area.
+const FINEST: f64 = 100.0;
+
 /// What `contours` asks for.
 enum Contours {
     /// About so many at round levels; none at all for 0.
@@ -261,7 +265,7 @@ impl<'a> SliceSpec<'a> {
                 .flat_map(|(k, l)| line(&whole, first_line + k, l.1))
                 .collect(),
             arrows: self.arrows.as_ref().map(|spec| {
-                let spacing = spec.spacing.unwrap_or(extent / 24.0).max(extent / 500.0);
+                let spacing = spec.spacing.unwrap_or(extent / 24.0).max(extent / FINEST);
                 Arrows {
                     arrows: arrows_on(&pieces, plane, spacing),
                     longest: spec.longest.unwrap_or(1.5 * spacing),
@@ -269,7 +273,7 @@ impl<'a> SliceSpec<'a> {
                 }
             }),
             streams: self.streams.as_ref().map_or(Vec::new(), |spec| {
-                let spacing = spec.spacing.unwrap_or(extent / 30.0).max(extent / 500.0);
+                let spacing = spec.spacing.unwrap_or(extent / 30.0).max(extent / FINEST);
                 stream::lines(&vectors_on(&pieces, plane), spacing)
             }),
             shades,

@@ -11,6 +11,7 @@ use granflow_dict::Span;
 pub(super) const ENTRY: Entry = Entry {
     name: "writeCellCentres",
     summary: "the fields `C`, `Cx`, `Cy`, `Cz`: centres of cells and boundary faces, m",
+    formula: "C = x_P, the centroid",
     reference: "OpenFOAM user guide, function objects",
     read: |_, _| {
         let info = |name: &str, rank| Info {

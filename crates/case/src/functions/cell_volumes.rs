@@ -11,6 +11,7 @@ use granflow_dict::Span;
 pub(super) const ENTRY: Entry = Entry {
     name: "writeCellVolumes",
     summary: "the field `V`: volumes of cells, m3",
+    formula: "V",
     reference: "OpenFOAM user guide, function objects",
     read: |_, _| {
         Box::new(DerivedField {

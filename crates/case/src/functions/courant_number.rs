@@ -10,6 +10,7 @@ use granflow_base::Dims;
 pub(super) const ENTRY: Entry = Entry {
     name: "CourantNo",
     summary: "the field `Co`: half the flux through a cell's faces times the step over its volume",
+    formula: "Co = dt sum |phi|/(2 V)",
     reference: "R. Courant, K. Friedrichs, H. Lewy, Math. Ann. 100 (1928) 32",
     read: |r, _| {
         r.ignore("phi");

@@ -1,4 +1,5 @@
-//! Surfaces in a mesh on which fields are sampled: planes, patches, surfaces of equal value.
+//! Surfaces in a mesh on which fields are sampled: planes, patches, surfaces of equal value or of equal
+//! distance from a shape.
 //!
 //! They live on the first rank, which has the whole mesh, so that they do not depend on how many
 //! ranks there are.
@@ -10,7 +11,7 @@ use super::whole::Everywhere;
 use super::{Rank, Reading, View};
 use crate::CaseConfig;
 use crate::section::{self, Grid, with_centres};
-use granflow_base::{Dims, Vec3, add, cross, dot, scale, sub, unit};
+use granflow_base::{Dims, Vec3, add, cross, dot, norm, scale, sub, unit};
 use granflow_dict::{Reader, Sink};
 use granflow_mesh::Mesh;
 use std::collections::HashMap;
@@ -31,6 +32,73 @@ enum Kind {
         field: Wanted,
         level: f64,
     },
+    Distance {
+        shape: Shape,
+        level: f64,
+        /// Whether one side counts as negative.
+        signed: bool,
+    },
+}
+
+/// What distances are measured from.
+#[derive(Clone, Copy)]
+enum Shape {
+    /// Positive where the unit normal points to.
+    Plane { point: Vec3, normal: Vec3 },
+    /// Positive outside.
+    Sphere { centre: Vec3, radius: f64 },
+}
+
+impl Shape {
+    /// Reads `surfaceType` and what belongs to it.
+    fn read(r: &Reader<'_>) -> Shape {
+        let kinds = [
+            ("searchablePlane", true),
+            ("plane", true),
+            ("searchableSphere", false),
+            ("sphere", false),
+        ];
+        r.ignore("surfaceName");
+        let word = r.maybe_word("surfaceType");
+        if let Some(word) = word.filter(|w| kinds.iter().all(|k| k.0 != *w) && w.contains("Surf")) {
+            let message = format!("`{word}`: surfaces of triangles are not read");
+            let help = "distances are measured from a `searchablePlane` or a `searchableSphere`";
+            r.error_at_key("surfaceType", message, "refused", Some(help));
+            r.ignore_all();
+            return Shape::Plane { point: [0.0; 3], normal: [1.0, 0.0, 0.0] };
+        }
+        if r.one_of("surfaceType", &kinds) {
+            let (point, normal) = point_and_normal(r);
+            return Shape::Plane { point, normal };
+        }
+        let key = if r.has("origin") { "origin" } else { "centre" };
+        Shape::Sphere {
+            centre: r.vector(key, Dims::LENGTH),
+            radius: r.positive("radius", Dims::LENGTH),
+        }
+    }
+    fn distance(self, x: Vec3) -> f64 {
+        match self {
+            Shape::Plane { point, normal } => dot(sub(x, point), normal),
+            Shape::Sphere { centre, radius } => norm(sub(x, centre)) - radius,
+        }
+    }
+}
+
+/// A point of a plane and its unit normal.
+fn point_and_normal(r: &Reader<'_>) -> (Vec3, Vec3) {
+    r.opt_one_of("planeType", &[("pointAndNormal", ())], ());
+    let own = r.opt_sub("pointAndNormalDict");
+    let at = own.as_ref().unwrap_or(r);
+    let either = |old: &'static str, new: &'static str| {
+        at.vector(if at.has(old) { old } else { new }, Dims::LENGTH)
+    };
+    let (point, normal) = (either("basePoint", "point"), either("normalVector", "normal"));
+    if normal == [0.0; 3] {
+        let key = if at.has("normal") { "normal" } else { "normalVector" };
+        at.error_at_key(key, "the normal of a plane is null", "no direction", None);
+    }
+    (point, unit(normal))
 }
 
 /// A surface as a dictionary describes it.
@@ -48,6 +116,7 @@ enum Word {
     Patch,
     Inside,
     Iso,
+    Distance,
 }
 
 const KINDS: &[(&str, Word)] = &[
@@ -59,11 +128,11 @@ const KINDS: &[(&str, Word)] = &[
     ("isoSurfaceCell", Word::Iso),
     ("isoSurfaceTopo", Word::Iso),
     ("isoSurfacePoint", Word::Iso),
+    ("distanceSurface", Word::Distance),
 ];
 
 /// Kinds of OpenFOAM's that are refused by name.
 const REFUSED: &[&str] = &[
-    "distanceSurface",
     "faceZone",
     "faceZones",
     "meshedSurface",
@@ -100,19 +169,8 @@ impl CutPlan {
         }
         let kind = match r.one_of("type", KINDS) {
             Word::Plane => {
-                r.opt_one_of("planeType", &[("pointAndNormal", ())], ());
-                let own = r.opt_sub("pointAndNormalDict");
-                let at = own.as_ref().unwrap_or(r);
-                let either = |old: &'static str, new: &'static str| {
-                    at.vector(if at.has(old) { old } else { new }, Dims::LENGTH)
-                };
-                let (point, normal) =
-                    (either("basePoint", "point"), either("normalVector", "normal"));
-                if normal == [0.0; 3] {
-                    let key = if at.has("normal") { "normal" } else { "normalVector" };
-                    at.error_at_key(key, "the normal of a plane is null", "no direction", None);
-                }
-                Kind::Plane { point, normal: unit(normal) }
+                let (point, normal) = point_and_normal(r);
+                Kind::Plane { point, normal }
             }
             word @ (Word::Patch | Word::Inside) => {
                 r.ignore("offsetMode");
@@ -129,6 +187,15 @@ impl CutPlan {
                 }
                 Kind::Iso { field, level: r.scalar("isoValue", Dims::NONE) }
             }
+            Word::Distance => {
+                // How OpenFOAM makes triangles of it.
+                ["cell", "regularise", "isoAlgorithm", "topology"].iter().for_each(|k| r.ignore(k));
+                let shape = Shape::read(r);
+                let level = r.scalar("distance", Dims::LENGTH);
+                // Without distance both sides are one.
+                let signed = r.opt_switch("signed", true) || level == 0.0;
+                Kind::Distance { shape, level, signed }
+            }
         };
         CutPlan { name: name.into(), kind, interpolate }
     }
@@ -138,7 +205,7 @@ impl CutPlan {
         match &self.kind {
             Kind::Patch { patches, .. } => patches.check(mesh, sink),
             Kind::Iso { field, .. } => field.check(config, sink),
-            Kind::Plane { .. } => {}
+            Kind::Plane { .. } | Kind::Distance { .. } => {}
         }
     }
     /// The functions whose fields it looks at.
@@ -154,7 +221,8 @@ impl CutPlan {
     pub(super) fn update(&self, view: &View<'_>, cut: &mut Option<Cut>) {
         if let Kind::Iso { field, level } = &self.kind {
             let Some(all) = view.everywhere(field.list[0].quantity) else { return };
-            *cut = Some(Cut::iso(view.grid(), &all, *level));
+            let nodes = with_centres(view.grid(), &all.at_points(view.grid())[0]);
+            *cut = Some(Cut::iso(view.grid(), &nodes, *level));
             return;
         }
         if cut.is_some() || view.exec.rank() != 0 {
@@ -165,6 +233,16 @@ impl CutPlan {
             Kind::Plane { point, normal } => Cut::plane(grid, *point, *normal),
             Kind::Patch { patches, inside } => {
                 Cut::patches(grid, &patches.indices(&view.whole.case.mesh), *inside)
+            }
+            Kind::Distance { shape, level, signed } => {
+                let along = |k: usize| {
+                    let all: Vec<f64> = grid.poly.points.iter().map(|p| p[k]).collect();
+                    with_centres(grid, &all)
+                };
+                let [x, y, z] = [0, 1, 2].map(along);
+                let far = |i: usize| shape.distance([x[i], y[i], z[i]]);
+                let far = (0..x.len()).map(|i| if *signed { far(i) } else { far(i).abs() });
+                Cut::iso(grid, &far.collect::<Vec<f64>>(), *level)
             }
             Kind::Iso { .. } => return,
         });
@@ -248,9 +326,9 @@ impl Cut {
         Cut::new(grid, faces.collect())
     }
 
-    fn iso(grid: &Grid, field: &Everywhere, level: f64) -> Cut {
-        let nodes = with_centres(grid, &field.at_points(grid)[0]);
-        let faces = section::iso_triangles(grid, &nodes, level).into_iter().map(|(cell, t)| {
+    /// Of values at the nodes.
+    fn iso(grid: &Grid, nodes: &[f64], level: f64) -> Cut {
+        let faces = section::iso_triangles(grid, nodes, level).into_iter().map(|(cell, t)| {
             let corner = |(i, j): (usize, usize)| {
                 let (a, b) = (nodes[i] - level, nodes[j] - level);
                 match a == 0.0 {

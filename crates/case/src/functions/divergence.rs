@@ -12,6 +12,7 @@ use granflow_dict::Span;
 pub(super) const ENTRY: Entry = Entry {
     name: "div",
     summary: "the field `div(<field>)` of a vector, or `div(phi)` of the volume flux",
+    formula: "div U = sum U_f . S/V; div phi = sum phi/V of the volume flux",
     reference: "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 8",
     read: |r, reading| {
         let info = |name: &str, unit| Info {

@@ -243,7 +243,7 @@ pub(crate) fn parse(info: &Info, dict: &Dict, poly: &PolyMesh) -> Option<Whole> 
 }
 
 /// `uniform v` or `nonuniform List<..> ..` of `count` values with `n` components each.
-fn flat(tokens: &[Token], count: usize, n: usize) -> Option<Vec<f64>> {
+pub(crate) fn flat(tokens: &[Token], count: usize, n: usize) -> Option<Vec<f64>> {
     let value = tokens.last()?;
     if tokens.first()?.word() == Some("uniform") {
         let one = if n == 1 { vec![value.number()?] } else { value.scalars()? };

@@ -20,6 +20,8 @@ use granflow_par::Exec;
 pub(super) const ENTRY: Entry = Entry {
     name: "fieldAverage",
     summary: "the fields `<field>Mean` and `<field>Prime2Mean`: means over time, kept over restarts",
+    formula: "M_n = (1 - b) M_{n-1} + b phi, prime2: P_n = (1 - b) (P_{n-1} + M_{n-1}^2) + b \
+              phi^2 - M_n^2; b = dt/T (base time) or 1/n (base iteration)",
     reference: "T. F. Chan, G. H. Golub, R. J. LeVeque, Am. Stat. 37 (1983) 242",
     read: |r, reading| Box::new(FieldAverage::read(r, reading)),
     schedule: Schedule::always(Every::Writes(1)),

@@ -14,6 +14,7 @@ use granflow_par::Exec;
 pub(super) const ENTRY: Entry = Entry {
     name: "fieldMinMax",
     summary: "smallest and greatest value of fields (magnitude or components) with their places",
+    formula: "min and max of phi (|phi| with mode magnitude) over cells and boundary faces",
     reference: "OpenFOAM user guide, function objects",
     read: |r, reading| Box::new(MinMax::read(r, reading)),
     schedule: Schedule::always(Every::Steps(1)),

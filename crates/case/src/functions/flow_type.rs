@@ -10,6 +10,8 @@ use granflow_base::{Dims, Tensor};
 pub(super) const ENTRY: Entry = Entry {
     name: "flowType",
     summary: "the field `flowType`: -1 rotation, 0 simple shear, 1 pure strain",
+    formula: "(|D| - |W|)/(|D| + |W|), D and W the symmetric and the antisymmetric part of \
+              grad U",
     reference: "J. S. Lee et al., Rheol. Acta 46 (2007) 521",
     read: |r, _| {
         DerivedField::of_velocity_gradient(

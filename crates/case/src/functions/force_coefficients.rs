@@ -12,6 +12,8 @@ use granflow_par::Exec;
 pub(super) const ENTRY: Entry = Entry {
     name: "forceCoeffs",
     summary: "coefficients of drag, side force, lift, roll, pitch and yaw of patches",
+    formula: "C = F . e/(rho magUInf^2 Aref/2), C_m = M . e/(rho magUInf^2 Aref lRef/2); e: \
+              dragDir, liftDir x dragDir, liftDir",
     reference: "J. D. Anderson, Fundamentals of Aerodynamics, ch. 1.5",
     read: |r, _| Box::new(Coefficients::read(r)),
     schedule: Schedule::always(Every::Steps(1)),

@@ -17,6 +17,8 @@ use granflow_par::Exec;
 pub(super) const ENTRY: Entry = Entry {
     name: "forces",
     summary: "pressure and viscous force and moment of the flow on patches",
+    formula: "F = sum (p_f - pRef) S - tau . S over the patches, M = sum (x_f - CofR) x dF; \
+              tau = eta (grad U + grad U^T)",
     reference: "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 9",
     read: |r, _| Box::new(Forces::read(r)),
     schedule: Schedule::always(Every::Steps(1)),

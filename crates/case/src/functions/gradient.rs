@@ -10,6 +10,7 @@ use granflow_base::Dims;
 pub(super) const ENTRY: Entry = Entry {
     name: "grad",
     summary: "the field `grad(<field>)` of a scalar or a vector, `d_i u_j` by rows",
+    formula: "(grad phi)_ij = d phi_j/d x_i, by the scheme of gradSchemes",
     reference: "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 8",
     read: |r, reading| {
         let of = Wanted::one(r, "field", reading);

@@ -12,6 +12,7 @@ use granflow_par::Exec;
 pub(super) const ENTRY: Entry = Entry {
     name: "interfaceHeight",
     summary: "height of the first phase over given places, `locations`: the integral of alpha along the vertical",
+    formula: "hB = integral of alpha along the vertical through the place, hL = hB less the height of the place",
     reference: "OpenFOAM user guide, function objects",
     read: |r, _| Box::new(Gauges::read(r)),
     schedule: Schedule::always(Every::Steps(1)),

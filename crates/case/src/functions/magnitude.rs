@@ -10,6 +10,7 @@ use granflow_dict::Reader;
 pub(super) const ENTRY: Entry = Entry {
     name: "mag",
     summary: "the field `mag(<field>)`: the square root of the sum of the squares of all components",
+    formula: "|phi| = sqrt(sum phi_i^2)",
     reference: "OpenFOAM user guide, function objects",
     read: |r, reading| make(r, reading, "mag"),
     schedule: Schedule::always(Every::Writes(1)),
@@ -18,6 +19,7 @@ pub(super) const ENTRY: Entry = Entry {
 pub(super) const ENTRY_SQUARE: Entry = Entry {
     name: "magSqr",
     summary: "the field `magSqr(<field>)`: the sum of the squares of all components",
+    formula: "|phi|^2 = sum phi_i^2",
     reference: "OpenFOAM user guide, function objects",
     read: |r, reading| make(r, reading, "magSqr"),
     schedule: Schedule::always(Every::Writes(1)),

@@ -4,12 +4,14 @@
 //! line in [`ALL`].
 
 mod cell_centres;
+mod cell_region;
 mod cell_volumes;
 mod columns;
 mod courant_number;
 mod cut;
 mod derived_field;
 mod divergence;
+mod face_zone;
 mod field;
 mod field_average;
 mod field_min_max;
@@ -23,6 +25,7 @@ mod magnitude;
 mod operations;
 mod patches;
 mod phase;
+mod point_sets;
 mod probes;
 mod q_criterion;
 mod quantity;
@@ -45,16 +48,16 @@ mod vorticity;
 mod wall_shear_stress;
 pub(crate) mod whole;
 
-pub(crate) use field::file as field_file;
 pub use field::{Components, Info, Rank, Unit, Values, Whole};
+pub(crate) use field::{file as field_file, flat as field_values};
 pub use quantity::{Named, Quantity};
 pub use schedule::Schedule;
 pub use set_flow::SetFlow;
 pub use view::{Derivations, View};
 
-use crate::CaseConfig;
+use crate::{CaseConfig, Zones};
 use granflow_dict::{Dict, Reader, Sink, nearest};
-use granflow_mesh::Mesh;
+use granflow_mesh::{Mesh, PolyMesh};
 use granflow_par::Exec;
 
 /// What a function wants in its folder `postProcessing/<name>/`.
@@ -108,6 +111,12 @@ pub trait Function: Send {
 pub trait Plan: Send + Sync {
     /// Checks what depends on the mesh and on the rest of the case.
     fn check(&self, mesh: &Mesh, config: &CaseConfig, sink: &Sink);
+    /// Whether it asks for zones of cells or faces.
+    fn wants_zones(&self) -> bool {
+        false
+    }
+    /// Finds its place in the mesh, before anything else is asked of it. Mistakes go to the sink.
+    fn place(&mut self, _: &Around<'_>, _: &Sink) {}
     /// The flow that it gives, in place of one that is solved for.
     fn prescribes(&self) -> Option<&SetFlow> {
         None
@@ -163,12 +172,24 @@ pub struct Reading<'a> {
     pub made: &'a [Made],
 }
 
+/// What a plan may look for its place in.
+pub struct Around<'a> {
+    /// The mesh in the user's numbering.
+    pub poly: &'a PolyMesh,
+    /// The numerics' view of it.
+    pub mesh: &'a Mesh,
+    /// Its zones, empty if no function wants them.
+    pub zones: &'a Zones,
+}
+
 /// A plan with its name and its times.
 pub struct Planned {
     /// Name of the entry, and of the folder below `postProcessing`.
     pub name: String,
-    /// When it acts.
+    /// When it writes.
     pub schedule: Schedule,
+    /// When it brings its fields up to date: whenever somebody looks at them if not given.
+    pub execute: Option<Schedule>,
     /// What it does.
     pub plan: Box<dyn Plan>,
 }
@@ -179,6 +200,8 @@ pub struct Entry {
     pub name: &'static str,
     /// One line for lists and the book.
     pub summary: &'static str,
+    /// What it computes: `phi` a field, `_P` of a cell, `_f` on a face, `V` volume, `S` area vector.
+    pub formula: &'static str,
     /// Where the definition comes from.
     pub reference: &'static str,
     /// Reads its dictionary.
@@ -233,8 +256,6 @@ const HARMLESS: &[&str] = &[
     "functionObjectLibs",
     "region",
     "log",
-    "executeControl",
-    "executeInterval",
     "enabled",
     "useUserTime",
     "errors",
@@ -258,12 +279,13 @@ pub fn read(control: &Reader<'_>) -> Vec<Planned> {
             continue;
         };
         let schedule = Schedule::read(&r, entry.schedule);
+        let execute = Schedule::read_execute(&r, schedule);
         let plan = (entry.read)(&r, &Reading { name, made: &made });
         let function = out.len();
         plan.makes().iter().for_each(|info| refuse_clash(&r, info, &made));
         let fields = plan.makes().into_iter().enumerate();
         made.extend(fields.map(|(slot, info)| Made { info, function, slot }));
-        out.push(Planned { name: name.to_owned(), schedule, plan });
+        out.push(Planned { name: name.to_owned(), schedule, execute, plan });
     }
     out
 }

@@ -12,6 +12,7 @@ use granflow_par::Exec;
 pub(super) const ENTRY: Entry = Entry {
     name: "phase",
     summary: "volume, centroid, mean velocity, extent (where alpha = 0.5) and outflow of the first phase",
+    formula: "V = sum alpha V_P, x = sum alpha V_P x_P/V, u = sum alpha V_P U_P/V",
     reference: "S. Hysing et al., Int. J. Numer. Meth. Fluids 60 (2009) 1259, section 2",
     read: |r, _| Box::new(Phase { span: r.key_span("type") }),
     schedule: Schedule::always(Every::Steps(1)),

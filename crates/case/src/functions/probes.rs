@@ -14,6 +14,8 @@ use granflow_par::Exec;
 pub(super) const ENTRY: Entry = Entry {
     name: "probes",
     summary: "values at points against time, one table a field",
+    formula: "phi(t) of the cell that holds each point; with interpolationScheme cellPoint \
+              phi_P + (x - x_P) . grad phi",
     reference: "OpenFOAM user guide, function objects",
     read: |r, reading| Box::new(Probes::read(r, reading)),
     schedule: Schedule::always(Every::Steps(1)),

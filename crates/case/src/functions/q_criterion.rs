@@ -11,6 +11,7 @@ use super::{Entry, Rank, Values, View};
 pub(super) const ENTRY: Entry = Entry {
     name: "Q",
     summary: "the field `Q`: second invariant of the velocity gradient, 1/s2",
+    formula: "Q = ((tr G)^2 - tr(G . G))/2, G = grad U",
     reference: "J. C. R. Hunt, A. A. Wray, P. Moin, CTR-S88 (1988) 193",
     read: |r, _| {
         DerivedField::of_velocity_gradient(r, "Q", (Rank::Scalar, RATE.times(RATE)), compute)

@@ -10,6 +10,8 @@ use granflow_par::Exec;
 pub(super) const ENTRY: Entry = Entry {
     name: "residuals",
     summary: "residuals of momentum, continuity and viscosity, outer iterations of every step",
+    formula: "U: imbalance of forces over forces; p: net over gross flux of the cells; viscosity: \
+              max |ln eta' - ln eta|, eta': one more evaluation of the rheology",
     reference: "OpenFOAM user guide, function objects",
     read: |r, _| {
         r.ignore("fields");

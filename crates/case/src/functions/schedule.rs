@@ -1,4 +1,5 @@
-//! When a function acts: `writeControl`, `writeInterval`, `timeStart`, `timeEnd`.
+//! When a function acts: `writeControl`, `writeInterval`, `timeStart`, `timeEnd`, and the same for
+//! `execute`.
 
 use granflow_base::Dims;
 use granflow_dict::Reader;
@@ -16,6 +17,34 @@ pub enum Every {
     End,
     /// Never.
     Never,
+}
+
+impl Every {
+    /// Reads what stands under `control` and `interval`, if either does.
+    fn read(r: &Reader<'_>, control: &str, interval: &str) -> Option<Every> {
+        let kinds = [
+            ("timeStep", 0),
+            ("writeTime", 1),
+            ("outputTime", 1),
+            ("runTime", 2),
+            ("adjustableRunTime", 2),
+            ("adjustable", 2),
+            ("onEnd", 3),
+            ("none", 4),
+        ];
+        if !r.has(control) && !r.has(interval) {
+            return None;
+        }
+        Some(match r.opt_one_of(control, &kinds, 0) {
+            0 => Every::Steps(r.opt_label_in(interval, 1..=i64::MAX, 1) as usize),
+            1 => Every::Writes(r.opt_label_in(interval, 1..=i64::MAX, 1) as usize),
+            2 => Every::Seconds(r.positive(interval, Dims::TIME)),
+            kind => {
+                r.ignore(interval);
+                if kind == 3 { Every::End } else { Every::Never }
+            }
+        })
+    }
 }
 
 /// When a function acts.
@@ -58,16 +87,6 @@ impl Schedule {
 
     /// Reads the entries, `default` where there are none.
     pub fn read(r: &Reader<'_>, default: Schedule) -> Schedule {
-        let kinds = [
-            ("timeStep", 0),
-            ("writeTime", 1),
-            ("outputTime", 1),
-            ("runTime", 2),
-            ("adjustableRunTime", 2),
-            ("adjustable", 2),
-            ("onEnd", 3),
-            ("none", 4),
-        ];
         // The older name comes first in no file: both are never there together.
         let old = r.has("outputControl") && !r.has("writeControl");
         let (control, interval) = if old {
@@ -75,24 +94,17 @@ impl Schedule {
         } else {
             ("writeControl", "writeInterval")
         };
-        let mut every = default.every;
-        if r.has(control) || r.has(interval) {
-            let kind = r.opt_one_of(control, &kinds, 0);
-            every = match kind {
-                0 => Every::Steps(r.opt_label_in(interval, 1..=i64::MAX, 1) as usize),
-                1 => Every::Writes(r.opt_label_in(interval, 1..=i64::MAX, 1) as usize),
-                2 => Every::Seconds(r.positive(interval, Dims::TIME)),
-                kind => {
-                    r.ignore(interval);
-                    if kind == 3 { Every::End } else { Every::Never }
-                }
-            };
-        }
         Schedule {
-            every,
+            every: Every::read(r, control, interval).unwrap_or(default.every),
             from: r.opt_scalar("timeStart", Dims::TIME, default.from),
             to: r.opt_scalar("timeEnd", Dims::TIME, default.to),
         }
+    }
+
+    /// Reads `executeControl` and `executeInterval`, if they are there; its times are those of `write`.
+    pub fn read_execute(r: &Reader<'_>, write: Schedule) -> Option<Schedule> {
+        let every = Every::read(r, "executeControl", "executeInterval")?;
+        Some(Schedule { every, ..write })
     }
 
     /// Whether a time that is written now holds the fields of the function: those of functions that act

@@ -13,6 +13,9 @@ use std::f64::consts::{PI, TAU};
 pub(super) const ENTRY: Entry = Entry {
     name: "setFlow",
     summary: "with frozenFlow: a given flow, `mode` rotation, vortex2D or vortex3D, times `scale`",
+    formula: "rotation: U = omega x (x - origin); vortex2D: psi = sin^2(pi x) sin^2(pi z)/pi; \
+              vortex3D: U = (2 sin^2(pi x) sin(2 pi y) sin(2 pi z), -sin(2 pi x) sin^2(pi y) \
+              sin(2 pi z), -sin(2 pi x) sin(2 pi y) sin^2(pi z)); all times scale(t)",
     reference: "R. J. LeVeque, SIAM J. Numer. Anal. 33 (1996) 627",
     read: |r, _| Box::new(SetFlow::read(r)),
     schedule: Schedule::always(Every::Writes(1)),

@@ -1,4 +1,5 @@
-//! Files of points with values: columns, csv, VTK's legacy PolyData, gnuplot.
+//! Files of points with values: columns, csv, VTK's legacy PolyData, and what gnuplot, Grace and
+//! JPlot read.
 
 use super::field::{Components, Rank};
 use super::{Named, Written};
@@ -16,10 +17,14 @@ pub(super) enum SetFormat {
     Vtk,
     /// `.gplt`: commands of gnuplot with the numbers.
     Gnuplot,
+    /// `.agr`: Grace's commands with the numbers.
+    Xmgr,
+    /// `.dat`: columns below comments that name them.
+    Jplot,
 }
 
 /// Formats of other programs' tables: their numbers are written as columns.
-const AS_COLUMNS: &[&str] = &["xmgr", "jplot", "ensight", "nastran"];
+const AS_COLUMNS: &[&str] = &["ensight", "nastran"];
 
 impl SetFormat {
     /// Reads `setFormat`.
@@ -37,6 +42,8 @@ impl SetFormat {
             ("csv", SetFormat::Csv),
             ("vtk", SetFormat::Vtk),
             ("gnuplot", SetFormat::Gnuplot),
+            ("xmgr", SetFormat::Xmgr),
+            ("jplot", SetFormat::Jplot),
         ];
         r.opt_one_of("setFormat", &known, default)
     }
@@ -47,6 +54,8 @@ impl SetFormat {
             SetFormat::Csv => "csv",
             SetFormat::Vtk => "vtk",
             SetFormat::Gnuplot => "gplt",
+            SetFormat::Xmgr => "agr",
+            SetFormat::Jplot => "dat",
         }
     }
 }
@@ -61,6 +70,8 @@ pub(super) struct Row {
 pub(super) struct Set<'a> {
     /// Its name.
     pub(super) name: &'a str,
+    /// The axis' word.
+    pub(super) axis: &'static str,
     /// Heads of the axis' columns.
     pub(super) heads: &'a [&'static str],
     /// The points, in order.
@@ -104,6 +115,8 @@ fn one(format: SetFormat, set: &Set<'_>, group: &[usize]) -> Written {
     let text = match format {
         SetFormat::Raw | SetFormat::Csv => table(format, set, group, true),
         SetFormat::Gnuplot => gnuplot(set, group),
+        SetFormat::Xmgr => xmgr(set, group),
+        SetFormat::Jplot => jplot(set, group),
         SetFormat::Vtk => {
             let line: Vec<usize> = (0..set.rows.len()).collect();
             vtk(set.name, set.rows, set.fields, group, &[line])
@@ -140,19 +153,48 @@ fn numbers(set: &Set<'_>, group: &[usize], separator: &str) -> String {
 }
 
 fn gnuplot(set: &Set<'_>, group: &[usize]) -> String {
-    let plots = group.iter().map(|i| format!("\"-\" title \"{}\" with lines", set.fields[*i].name));
-    let plots: Vec<String> = plots.collect();
-    let mut text = format!(
-        "set term postscript color\nset output \"{}.ps\"\nplot {}\n",
-        set.name,
-        plots.join(", ")
-    );
+    let name = |i: &usize| set.fields[*i].name.as_str();
+    // As OpenFOAM has it: a second axis for whatever follows the first field.
+    let mut text = format!("set term postscript color\nset output \"{}.ps\"\n", set.name);
+    let mut axes = ["", ""];
+    if let [first, second, ..] = group {
+        text += &format!("set ylabel \"{}\"\nset y2label \"{}\"\n", name(first), name(second));
+        text += "set ytics nomirror\nset y2tics\n";
+        axes = [" axes x1y1", " axes x1y2"];
+    }
+    let plot = |(k, i): (usize, &usize)| {
+        format!("\"-\" title \"{}\" with lines{}", name(i), axes[k.min(1)])
+    };
+    let plots: Vec<String> = group.iter().enumerate().map(plot).collect();
+    text += &format!("plot {}\n", plots.join(", "));
     // A block of numbers for each `-`.
     for i in group {
         text += &numbers(set, &[*i], "\t");
         text += "e\n";
     }
     text
+}
+
+fn xmgr(set: &Set<'_>, group: &[usize]) -> String {
+    let mut text = format!(
+        "@g0 on\n@with g0\n@    title \"{}\"\n@    xaxis label \"{}\"\n",
+        set.name, set.axis
+    );
+    for (k, i) in group.iter().enumerate() {
+        let name = &set.fields[*i].name;
+        text += &format!("@    s{k} legend \"{name}\"\n@target G0.S{k}\n");
+        text += &numbers(set, &[*i], "\t");
+        text += "&\n";
+    }
+    text
+}
+
+fn jplot(set: &Set<'_>, group: &[usize]) -> String {
+    let mut text = format!("# JPlot file\n# column 1: {}\n", set.name);
+    for (k, i) in group.iter().enumerate() {
+        text += &format!("# column {}: {}\n", k + 2, set.fields[*i].name);
+    }
+    text + &numbers(set, group, "\t")
 }
 
 /// Legacy PolyData of the fields in `group` at points, joined by lines where there are several.

@@ -14,7 +14,7 @@ use super::quantity::Wanted;
 use super::schedule::{Every, Schedule};
 use super::set_format::{Row, Set, SetFormat, files};
 use super::track::{Line, Place};
-use super::{Entry, Function, Plan, Reading, Remembered, View, Written};
+use super::{Around, Entry, Function, Plan, Reading, Remembered, View, Written};
 use crate::CaseConfig;
 use granflow_dict::{Diag, Reader, Sink, Span, Value};
 use granflow_mesh::Mesh;
@@ -22,7 +22,10 @@ use granflow_par::Exec;
 
 pub(super) const ENTRY: Entry = Entry {
     name: "sets",
-    summary: "profiles along lines: `uniform`, `face`, `midPoint`, `midPointAndFace`, `polyLine`, `cloud`",
+    summary: "values along lines (`uniform`, `face`, `midPoint`, `midPointAndFace`, `polyLine`, `circle`) and at \
+              points (`cloud`, `array`, `cellCentre`, `patchCloud`, `patchSeed`)",
+    formula: "phi_P of the cell that holds each point, or phi_P + (x - x_P) . grad phi, the \
+              gradient that fits the neighbours best (cellPoint)",
     reference: "OpenFOAM user guide, sampling",
     read: |r, reading| Box::new(Sets::read(r, reading)),
     schedule: Schedule::always(Every::Writes(1)),
@@ -31,6 +34,7 @@ pub(super) const ENTRY: Entry = Entry {
 pub(super) const ENTRY_PROFILE: Entry = Entry {
     name: "profile",
     summary: "a profile along one line: `start`, `end`, `fields`, perhaps `nPoints`, `axis`",
+    formula: "as sets",
     reference: "as `sets`",
     read: |r, reading| Box::new(Sets::read_profile(r, reading)),
     schedule: Schedule::always(Every::Writes(1)),
@@ -93,6 +97,9 @@ impl Sets {
 }
 
 impl Plan for Sets {
+    fn place(&mut self, around: &Around<'_>, sink: &Sink) {
+        self.lines.iter_mut().for_each(|(line, span)| line.place(around, span, sink));
+    }
     fn check(&self, mesh: &Mesh, config: &CaseConfig, sink: &Sink) {
         self.fields.check(config, sink);
         for (line, span) in &self.lines {
@@ -143,8 +150,14 @@ impl Function for Placed {
             let rows: Vec<Row> = found.iter().map(|v| row(v, &self.plan)).collect();
             let along: Vec<Vec<f64>> =
                 found.iter().map(|v| line.along(v[0], [v[1], v[2], v[3]])).collect();
-            let set =
-                Set { name: &line.name, heads: &line.heads(), rows: &rows, along: &along, fields };
+            let set = Set {
+                name: &line.name,
+                axis: line.axis_word(),
+                heads: &line.heads(),
+                rows: &rows,
+                along: &along,
+                fields,
+            };
             out.extend(files(self.plan.format, &set));
         }
         out

@@ -13,6 +13,8 @@ use granflow_par::Exec;
 pub(super) const ENTRY: Entry = Entry {
     name: "solverInfo",
     summary: "linear solvers of every step: residuals of the first solve, iterations, whether all converged",
+    formula: "r = sum |b - A x|/sum (|A x - A x_mean| + |b - A x_mean|) before and after each \
+              solve",
     reference: "OpenFOAM user guide, function objects",
     read: |r, _| Box::new(SolverInfo::read(r)),
     schedule: Schedule::always(Every::Steps(1)),

@@ -22,6 +22,8 @@ use granflow_par::Exec;
 pub(super) const ENTRY: Entry = Entry {
     name: "streamLine",
     summary: "stream lines from seeds on a line with fields along them, as `.vtk` (or `.vtp`)",
+    formula: "dx/ds = U(x)/|U(x)|, s the length along the line; Runge-Kutta steps of a share \
+              of a cell",
     reference: "W. Kutta, Z. Math. Phys. 46 (1901) 435",
     read: |r, reading| Box::new(StreamLine::read(r, reading)),
     schedule: Schedule::always(Every::Writes(1)),

@@ -1,12 +1,14 @@
-//! Sums, means and extremes of fields over a patch or a cut: what flows through it, for instance.
+//! Sums, means and extremes of fields over a patch, a zone of faces or a cut: what flows through it, for
+//! instance.
 
 use super::cut::{Cut, CutPlan};
+use super::face_zone::{FaceZonePlan, Side};
 use super::field::{Components, components};
 use super::operations::{Element, OVER_FACES, Operation};
 use super::patches::Patches;
 use super::quantity::{Named, Quantity, Wanted};
 use super::schedule::{Every, Schedule};
-use super::{Entry, Function, Plan, Rank, Reading, Remembered, View, Written, columns};
+use super::{Around, Entry, Function, Plan, Rank, Reading, Remembered, View, Written, columns};
 use crate::CaseConfig;
 use granflow_base::Dims;
 use granflow_dict::{Diag, Reader, Sink, Span, number};
@@ -15,7 +17,11 @@ use granflow_par::Exec;
 
 pub(super) const ENTRY: Entry = Entry {
     name: "surfaceFieldValue",
-    summary: "sum, mean, integral, variation or extremes of fields over a patch or a sampled surface",
+    summary: "sum, mean, integral, variation or extremes of fields over a patch, a zone of faces or a sampled surface",
+    formula: "sum: sum w phi_f; average: sum w phi_f/sum w; areaIntegrate: sum w phi_f |S|; \
+              areaAverage: sum w phi_f |S|/sum w |S|; areaNormalIntegrate: sum U_f . S; CoV: \
+              sqrt(sum |S| (phi_f - m)^2/A)/m; uniformity: 1 - sum |S| |phi_f - m|/(2 |m| A); \
+              w = 1, the weightField, or its size (absWeighted)",
     reference: "OpenFOAM user guide, function objects",
     read: |r, reading| Box::new(SurfaceFieldValue::read(r, reading)),
     schedule: Schedule::always(Every::Steps(1)),
@@ -59,6 +65,7 @@ impl OnFaces {
 #[derive(Clone)]
 enum Region {
     Patch(Patches),
+    Zone(FaceZonePlan),
     Cut(CutPlan),
 }
 
@@ -85,13 +92,14 @@ impl SurfaceFieldValue {
             ("patch", 0),
             ("sampledSurface", 1),
             ("faceZone", 2),
-            ("surface", 2),
-            ("functionObjectSurface", 2),
+            ("surface", 3),
+            ("functionObjectSurface", 3),
         ];
         let kind = r.one_of("regionType", &kinds);
-        if kind == 2 {
-            let help = "write `regionType patch;` or `regionType sampledSurface;`";
-            let message = "this region is not supported: zones are for `fvOptions` only";
+        if kind == 3 {
+            let help =
+                "write `regionType sampledSurface;` with the surface in `sampledSurfaceDict`";
+            let message = "surfaces of other functions are not read";
             r.error_at_key("regionType", message, "refused", Some(help));
         }
         let region = match kind {
@@ -101,6 +109,7 @@ impl SurfaceFieldValue {
                 }
                 None => Region::Patch(Patches::or_walls(r, "sampledSurfaceDict")),
             },
+            2 => Region::Zone(FaceZonePlan::read(r)),
             _ => Region::Patch(Patches::read(r, "name")),
         };
         let span = r.value_span("fields");
@@ -126,12 +135,27 @@ impl SurfaceFieldValue {
 }
 
 impl Plan for SurfaceFieldValue {
+    fn wants_zones(&self) -> bool {
+        matches!(self.region, Region::Zone(_))
+    }
+    fn place(&mut self, around: &Around<'_>, sink: &Sink) {
+        let Region::Zone(zone) = &mut self.region else { return };
+        zone.place(around, sink);
+        if let (Some(field), true) = (self.wanted.list.first(), zone.inside(around.poly.n_inner()))
+        {
+            let message =
+                format!("`{}` has no values on the faces between cells in this zone", field.name);
+            let help = "there are `phi` and `rhoPhi`; fields are known on patches and on a `sampledSurface`";
+            sink.push(Diag::error(&self.wanted.span, message).label("a field of cells").help(help));
+        }
+    }
     fn check(&self, mesh: &Mesh, config: &CaseConfig, sink: &Sink) {
         match &self.region {
             Region::Patch(patches) => {
                 patches.check(mesh, sink);
                 patches.check_open(mesh, sink);
             }
+            Region::Zone(_) => {}
             Region::Cut(cut) => cut.check(mesh, config, sink),
         }
         self.wanted.check(config, sink);
@@ -157,9 +181,9 @@ impl Plan for SurfaceFieldValue {
     fn build(&self, mesh: &Mesh, _: &Exec, _: Option<&Remembered>) -> Box<dyn Function> {
         let patches = match &self.region {
             Region::Patch(patches) => patches.indices(mesh),
-            Region::Cut(_) => Vec::new(),
+            Region::Zone(_) | Region::Cut(_) => Vec::new(),
         };
-        Box::new(Placed { patches, cut: None, plan: self.clone() })
+        Box::new(Placed { patches, sides: None, cut: None, plan: self.clone() })
     }
 }
 
@@ -167,6 +191,8 @@ struct Placed {
     plan: SurfaceFieldValue,
     /// Numbers of the patches in the mesh.
     patches: Vec<usize>,
+    /// The faces of the zone, on the first rank.
+    sides: Option<Vec<Side>>,
     /// The surface where it was cut last, on the first rank.
     cut: Option<Cut>,
 }
@@ -183,6 +209,40 @@ impl Placed {
             area: view.mesh.area[f],
         };
         faces.map(element).collect()
+    }
+
+    /// The faces of the zone with one field, all of them on the first rank.
+    fn on_zone(&self, view: &View<'_>, field: &OnFaces) -> Vec<Element> {
+        let of = |field: &OnFaces| -> Vec<Components> {
+            let collector = view.whole.collector;
+            let gathered = |flux: &[f64]| collector.faces(view.exec, flux, true);
+            let sides = self.sides.iter().flatten();
+            match field {
+                OnFaces::Phi => gathered(view.phi).map(|all| sides.map(|s| s.flux(&all)).collect()),
+                OnFaces::RhoPhi => {
+                    let flux = view.mass_flux.and_then(gathered);
+                    flux.map(|all| sides.map(|s| s.flux(&all)).collect())
+                }
+                OnFaces::Of(q) => {
+                    let all = view.everywhere(*q);
+                    all.map(|all| sides.map(|s| s.value(view, &all)).collect())
+                }
+            }
+            .unwrap_or_default()
+        };
+        let weight = self.plan.operation.weight.as_ref().map(|w| OnFaces::Of(w.list[0].quantity));
+        let weights = weight.as_ref().map(of);
+        let values = of(field);
+        let element = |(i, side): (usize, &Side)| {
+            let area = side.area(&view.whole.case.mesh);
+            Element {
+                value: values[i].map(|x| self.plan.factor * x),
+                size: granflow_base::norm(area),
+                weight: weights.as_ref().map_or(1.0, |w| w[i][0]),
+                area,
+            }
+        };
+        self.sides.iter().flatten().enumerate().map(element).collect()
     }
 
     /// The faces of the cut with one field, all of them on the first rank.
@@ -215,15 +275,21 @@ impl Function for Placed {
         if self.plan.operation.idle() {
             return Vec::new();
         }
-        let on_patch = matches!(self.plan.region, Region::Patch(_));
-        if let Region::Cut(plan) = &self.plan.region {
-            plan.update(view, &mut self.cut);
+        match &self.plan.region {
+            Region::Cut(plan) => plan.update(view, &mut self.cut),
+            Region::Zone(zone) if view.exec.rank() == 0 => {
+                self.sides.get_or_insert_with(|| zone.sides(&view.whole.case.mesh));
+            }
+            Region::Zone(_) | Region::Patch(_) => {}
         }
         let mut values = Vec::new();
         let mut size = [0.0; 2];
         for (_, field) in &self.plan.fields {
-            let elements =
-                if on_patch { self.on_patches(view, field) } else { self.on_cut(view, field) };
+            let elements = match self.plan.region {
+                Region::Patch(_) => self.on_patches(view, field),
+                Region::Zone(_) => self.on_zone(view, field),
+                Region::Cut(_) => self.on_cut(view, field),
+            };
             size = [elements.len() as f64, elements.iter().map(|e| e.size).sum()];
             let rank = field.rank();
             let v = self.plan.operation.of(view.exec, rank.n(), &elements);
@@ -234,7 +300,11 @@ impl Function for Placed {
             return Vec::new();
         }
         let operation = &self.plan.operation;
-        let kind = if on_patch { "patch" } else { "sampledSurface" };
+        let kind = match self.plan.region {
+            Region::Patch(_) => "patch",
+            Region::Zone(_) => "faceZone",
+            Region::Cut(_) => "sampledSurface",
+        };
         let mut header = columns::property("Region type", &format!("{kind} {}", self.plan.name));
         header += &columns::property("Faces", &number(size[0]));
         header += &columns::property("Area", &number(size[1]));

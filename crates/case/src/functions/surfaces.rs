@@ -12,7 +12,9 @@ use granflow_par::Exec;
 
 pub(super) const ENTRY: Entry = Entry {
     name: "surfaces",
-    summary: "fields on planes, patches and surfaces of equal value, as `.vtp` or columns",
+    summary: "fields on planes, patches, surfaces of equal value and of equal distance from a plane or sphere, as `.vtp` or columns",
+    formula: "interpolate false: phi_P of the cell that is cut (phi_f on a patch); interpolate \
+              true: the linear function that fits the cells around each point",
     reference: "OpenFOAM user guide, sampling; A. Doi, A. Koide, IEICE Trans. E74 (1991) 214",
     read: |r, reading| Box::new(Surfaces::read(r, reading)),
     schedule: Schedule::always(Every::Writes(1)),

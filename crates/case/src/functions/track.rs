@@ -1,24 +1,22 @@
-//! Lines through a mesh: where their points are and which cells hold them.
+//! Lines through a mesh and other sets of points: where they are and which cells hold them.
 
+use super::Around;
 use super::locate::{Locator, clip};
+use super::patches::Patches;
+use super::point_sets::{self, InCell, Wanted};
 use granflow_base::{Vec3, add, norm, scale, sub};
-use granflow_dict::Reader;
+use granflow_dict::{Reader, Sink, Span};
 use granflow_mesh::Mesh;
 
-/// Kinds of set in OpenFOAM that are refused by name.
-const REFUSED: &[&str] = &[
-    "array",
-    "cellCentre",
-    "circle",
-    "patchCloud",
-    "patchEdge",
-    "patchSeed",
-    "shortestPath",
-    "triSurfaceMeshPointSet",
+/// Kinds of set in OpenFOAM that are refused by name, with the reason.
+const REFUSED: &[(&str, &str)] = &[
+    ("patchEdge", "it needs a surface of triangles, which are not read"),
+    ("triSurfaceMeshPointSet", "it needs a surface of triangles, which are not read"),
+    ("shortestPath", "paths from cell to cell are not looked for"),
 ];
 
 /// How the points of a line are chosen.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub(super) enum Points {
     /// So many at equal distances.
     Uniform(usize),
@@ -30,6 +28,10 @@ pub(super) enum Points {
     FacesAndMiddles,
     /// Given one by one.
     Given(Vec<Vec3>),
+    /// Looked for in the mesh, and then
+    Wanted(Wanted),
+    /// found in these cells.
+    Found(Vec<InCell>),
 }
 
 /// What the first column of a table holds.
@@ -43,14 +45,16 @@ pub(super) enum Axis {
     Xyz,
 }
 
-/// A line.
-#[derive(Clone, Debug, PartialEq)]
+/// A line, or another set of points.
+#[derive(Clone, Debug)]
 pub(super) struct Line {
     pub(super) name: String,
     pub(super) points: Points,
     pub(super) axis: Axis,
     pub(super) start: Vec3,
     pub(super) end: Vec3,
+    /// What points given one by one are apart along the axis `distance`.
+    spacing: f64,
 }
 
 /// A point of a line in a cell of this rank.
@@ -65,13 +69,18 @@ pub(super) struct Place {
 impl Line {
     /// Reads a line; `kind` is the key that holds its type.
     pub(super) fn read(r: &Reader<'_>, name: &str, kind: Option<&str>) -> Line {
-        #[derive(Clone, Copy, PartialEq)]
+        #[derive(Clone, Copy, PartialEq, PartialOrd)]
         enum Kind {
             Uniform,
             Faces,
             Middles,
             Both,
             Given,
+            Lattice,
+            Circle,
+            Centres,
+            Nearest,
+            Seeds,
         }
         let kinds = [
             ("uniform", Kind::Uniform),
@@ -85,10 +94,16 @@ impl Line {
             ("cloud", Kind::Given),
             ("points", Kind::Given),
             ("polyLine", Kind::Given),
+            ("array", Kind::Lattice),
+            ("circle", Kind::Circle),
+            ("cellCentre", Kind::Centres),
+            ("patchCloud", Kind::Nearest),
+            ("patchSeed", Kind::Seeds),
         ];
-        if let Some(word) = kind.and_then(|key| r.maybe_word(key)).filter(|w| REFUSED.contains(w)) {
+        let word = kind.and_then(|key| r.maybe_word(key));
+        if let Some((word, why)) = word.and_then(|w| REFUSED.iter().find(|e| e.0 == w)) {
             let known: Vec<&str> = kinds.iter().map(|k| k.0).collect();
-            let message = format!("sets of type `{word}` are not supported");
+            let message = format!("sets of type `{word}` are not supported: {why}");
             let help = format!("one of {}", known.join(", "));
             r.error_at_key("type", message, "refused", Some(&help));
             r.ignore_all();
@@ -108,7 +123,7 @@ impl Line {
                 ("z", Axis::Coordinate(2)),
                 ("xyz", Axis::Xyz),
             ],
-            if kind == Kind::Given { Axis::Xyz } else { Axis::Distance },
+            if kind >= Kind::Given { Axis::Xyz } else { Axis::Distance },
         );
         r.ignore("ordered");
         if kind != Kind::Uniform {
@@ -117,6 +132,20 @@ impl Line {
         let mut line = Line { axis, ..Line::idle(name) };
         if kind == Kind::Given {
             line.points = Points::Given(r.vectors("points"));
+            return line;
+        }
+        if kind > Kind::Given {
+            match kind {
+                Kind::Lattice => line.points = Points::Given(point_sets::lattice(r)),
+                Kind::Circle => {
+                    let (points, arc) = point_sets::circle(r);
+                    (line.points, line.spacing) = (Points::Given(points), arc);
+                }
+                _ => {
+                    line.points =
+                        Points::Wanted(wanted(r, kind == Kind::Centres, kind == Kind::Nearest))
+                }
+            }
             return line;
         }
         line.start = r.vector("start", granflow_base::Dims::LENGTH);
@@ -130,7 +159,7 @@ impl Line {
             }
             Kind::Faces => Points::Faces,
             Kind::Both => Points::FacesAndMiddles,
-            Kind::Middles | Kind::Given => Points::Middles,
+            _ => Points::Middles,
         };
         line
     }
@@ -142,6 +171,14 @@ impl Line {
             axis: Axis::Distance,
             start: [0.0; 3],
             end: [0.0; 3],
+            spacing: 1.0,
+        }
+    }
+
+    /// Finds the points that are looked for in the mesh.
+    pub(super) fn place(&mut self, around: &Around<'_>, span: &Span, sink: &Sink) {
+        if let Points::Wanted(wanted) = &self.points {
+            self.points = Points::Found(wanted.find(around, &self.name, span, sink));
         }
     }
 
@@ -157,16 +194,34 @@ impl Line {
             Points::Given(points) => {
                 held(mesh, points.iter().enumerate().map(|(i, x)| (i as f64, *x)))
             }
+            Points::Wanted(_) => Vec::new(),
+            Points::Found(found) => {
+                let mut own: Vec<(u32, usize)> =
+                    mesh.global_cell.iter().enumerate().map(|(c, user)| (*user, c)).collect();
+                own.sort_unstable();
+                let cell = |user: u32| {
+                    let i = own.binary_search_by_key(&user, |o| o.0).ok()?;
+                    Some(own[i].1).filter(|c| *c < mesh.n_cells)
+                };
+                let place =
+                    |(t, x, user): &InCell| Some(Place { t: *t, x: *x, cell: cell(*user)? });
+                found.iter().filter_map(place).collect()
+            }
             Points::Faces | Points::Middles | Points::FacesAndMiddles => {
+                let (faces, middles) = match self.points {
+                    Points::Faces => (true, false),
+                    Points::Middles => (false, true),
+                    _ => (true, true),
+                };
                 let mut out = Vec::new();
                 for cell in 0..mesh.n_cells {
                     let Some((t0, t1)) = clip(mesh, cell, self.start, d) else { continue };
                     let mut put = |t: f64| out.push(Place { t, x: on(t), cell });
-                    if self.points != Points::Middles {
+                    if faces {
                         put(t0);
                         put(t1);
                     }
-                    if self.points != Points::Faces {
+                    if middles {
                         put(0.5 * (t0 + t1));
                     }
                 }
@@ -179,11 +234,19 @@ impl Line {
     /// Parameters nearer than this belong to one point.
     pub(super) fn grain(&self) -> f64 {
         match self.points {
-            Points::Given(_) => 0.5,
+            Points::Given(_) | Points::Found(_) => 0.5,
             _ => 1e-9,
         }
     }
 
+    /// The axis' word.
+    pub(super) fn axis_word(&self) -> &'static str {
+        match self.axis {
+            Axis::Distance => "distance",
+            Axis::Coordinate(k) => ["x", "y", "z"][k],
+            Axis::Xyz => "xyz",
+        }
+    }
     /// Heads of the axis' columns.
     pub(super) fn heads(&self) -> Vec<&'static str> {
         match self.axis {
@@ -197,12 +260,33 @@ impl Line {
     pub(super) fn along(&self, t: f64, x: Vec3) -> Vec<f64> {
         match self.axis {
             // Of points given one by one, as OpenFOAM does: their number.
-            Axis::Distance if matches!(self.points, Points::Given(_)) => vec![t],
+            Axis::Distance if matches!(self.points, Points::Given(_) | Points::Found(_)) => {
+                vec![self.spacing * t]
+            }
             Axis::Distance => vec![norm(sub(x, self.start))],
             Axis::Coordinate(k) => vec![x[k]],
             Axis::Xyz => x.to_vec(),
         }
     }
+}
+
+/// What `cellCentre`, `patchCloud` or else `patchSeed` looks for.
+fn wanted(r: &Reader<'_>, centres: bool, nearest: bool) -> Wanted {
+    use granflow_base::Dims;
+    if centres {
+        let mut bounds = None;
+        if let Some(mut t) = r.has("bounds").then(|| r.tokens("bounds")).flatten() {
+            bounds = Some([t.vector("the lower corner"), t.vector("the upper corner")]);
+            t.finish();
+        }
+        return Wanted::Centres(bounds);
+    }
+    let patches = Patches::read(r, "patches");
+    if nearest {
+        let (points, most) = (r.vectors("points"), r.positive("maxDistance", Dims::LENGTH));
+        return Wanted::Nearest { patches, points, most };
+    }
+    Wanted::Seeds { patches, most: r.label_in("maxPoints", 1..=i64::from(i32::MAX)) as usize }
 }
 
 fn held(mesh: &Mesh, points: impl Iterator<Item = (f64, Vec3)>) -> Vec<Place> {

@@ -10,6 +10,7 @@ use super::{Entry, Rank, Values, View};
 pub(super) const ENTRY: Entry = Entry {
     name: "vorticity",
     summary: "the field `vorticity`: the curl of the velocity, 1/s",
+    formula: "omega = curl U",
     reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, ch. 2",
     read: |r, _| DerivedField::of_velocity_gradient(r, "vorticity", (Rank::Vector, RATE), compute),
     schedule: Schedule::always(Every::Writes(1)),

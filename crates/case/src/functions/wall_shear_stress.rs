@@ -20,6 +20,7 @@ use granflow_par::Exec;
 pub(super) const ENTRY: Entry = Entry {
     name: "wallShearStress",
     summary: "the field `wallShearStress` on walls and its extremes a patch: viscous stress of the wall on the flow",
+    formula: "R = eta (dU/dn + (grad U)^T . n), over rho where the pressure is kinematic",
     reference: "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 9",
     read: |r, reading| Box::new(WallShearStress::read(r, reading)),
     schedule: Schedule::always(Every::Writes(1)),

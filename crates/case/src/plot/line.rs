@@ -93,6 +93,8 @@ pub(super) const WIDTH: f64 = 2.2;
 pub(super) const DASH: (f64, f64) = (9.0, 5.5);
 /// Radius of markers.
 pub(super) const RADIUS: f64 = 5.0;
+/// So many markers are drawn however near to each other they are: measured points are few.
+const FEW: usize = 60;
 /// Width of their outline.
 pub(super) const MARKER_WIDTH: f64 = 1.7;
 
@@ -252,7 +254,20 @@ impl Layout {
 
     fn marks(&self, series: &Series) -> Vec<Point> {
         let seen = |q: &Point| self.frame.grown(0.5).contains(*q);
-        series.points.iter().filter_map(|p| self.at(*p)).filter(seen).collect()
+        let all: Vec<Point> =
+            series.points.iter().filter_map(|p| self.at(*p)).filter(seen).collect();
+        if all.len() <= FEW {
+            return all;
+        }
+        // A row of overlapping circles is a thick line: one wherever there is room, and the last.
+        let mut out: Vec<Point> = Vec::new();
+        for q in &all {
+            let room = |o: &Point| (q.0 - o.0).hypot(q.1 - o.1) > 2.6 * RADIUS;
+            if out.last().is_none_or(room) {
+                out.push(*q);
+            }
+        }
+        out
     }
 
     /// Everything a legend must not cover.

@@ -4,7 +4,7 @@ use super::axis::{Axis, Ruler};
 use super::canvas::{Anchor, Box2, Canvas, Point};
 use super::frame::{self, Bar, GAP, INK, LABEL_SIZE, Shades, TICK_SIZE, TITLE_SIZE};
 use super::raster::{PIXELS, Raster};
-use super::{PlotError, labels, text};
+use super::{PlotError, Rgb, labels, text};
 
 /// Arrows of a vector field.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -49,6 +49,8 @@ const MOST: (f64, f64) = (560.0, 520.0);
 const LEAST_BAR: f64 = 150.0;
 /// Size of the numbers on contour lines.
 const CONTOUR_SIZE: f64 = 13.0;
+/// What is left light on either side of arrows and stream lines, so that they are seen on dark colours.
+const HALO: f64 = 1.1;
 
 impl SliceFigure {
     /// The figure as SVG (lines and text as such, colours as a picture in it) and as PNG.
@@ -190,19 +192,23 @@ impl<'a> Layout<'a> {
 
     /// A stream line with a head in its middle.
     fn draw_stream(&self, canvas: &mut Canvas, line: Vec<Point>) {
+        // A line along the frame is the frame.
+        let inside = self.frame.grown(-2.0);
+        if !line.iter().any(|p| inside.contains(*p)) {
+            return;
+        }
         let middle = line.len() / 2;
         let head = line.get(middle.saturating_sub(3)).zip(line.get(middle));
-        if let Some((from, tip)) = head {
-            let (dx, dy) = (tip.0 - from.0, tip.1 - from.1);
-            let length = dx.hypot(dy);
-            if length > 1.0 {
+        let head =
+            head.filter(|h| self.frame.grown(-4.0).contains(*h.1)).and_then(|(from, tip)| {
+                let (dx, dy) = (tip.0 - from.0, tip.1 - from.1);
+                let length = dx.hypot(dy);
                 // As long as the head of the longest arrow.
                 let stretch = 17.5 / length;
-                let from = (tip.0 - stretch * dx, tip.1 - stretch * dy);
-                wings(canvas, from, *tip);
-            }
-        }
-        canvas.line_over(line, INK, 1.0);
+                (length > 1.0).then(|| wings((tip.0 - stretch * dx, tip.1 - stretch * dy), *tip))
+            });
+        let parts = std::iter::once((line, 1.0)).chain(head.map(|h| (h, 1.2)));
+        strokes(canvas, &parts.collect::<Vec<_>>());
     }
 
     fn draw_arrows(&self, canvas: &mut Canvas, all: &Arrows) {
@@ -215,8 +221,11 @@ impl<'a> Layout<'a> {
         for (foot, (u, v)) in &all.arrows {
             let from = self.at(*foot);
             let tip = (from.0 + stretch * u, from.1 - stretch * v);
-            if self.frame.contains(from) {
+            // What would reach beyond the frame is not drawn over its numbers.
+            if self.frame.contains(from) && self.frame.contains(tip) {
                 draw_arrow(canvas, from, tip);
+            } else if let Some((from, end)) = self.frame.clip(from, tip) {
+                strokes(canvas, &[(vec![from, end], 1.2)]);
             }
         }
         // The key: a round number that is drawn no longer than the longest.
@@ -262,12 +271,19 @@ fn draw_arrow(canvas: &mut Canvas, from: Point, tip: Point) {
     if length < 1.0 {
         return;
     }
-    canvas.line_over(vec![from, tip], INK, 1.2);
-    wings(canvas, from, tip);
+    strokes(canvas, &[(vec![from, tip], 1.2), (wings(from, tip), 1.2)]);
+}
+
+/// Lines with their widths on something light, so that they are seen on dark colours.
+fn strokes(canvas: &mut Canvas, lines: &[(Vec<Point>, f64)]) {
+    for (line, width) in lines {
+        canvas.line_over(line.clone(), Rgb(255, 255, 255), width + 2.0 * HALO);
+    }
+    lines.iter().for_each(|(line, width)| canvas.line_over(line.clone(), INK, *width));
 }
 
 /// The head of an arrow.
-fn wings(canvas: &mut Canvas, from: Point, tip: Point) {
+fn wings(from: Point, tip: Point) -> Vec<Point> {
     let (dx, dy) = (tip.0 - from.0, tip.1 - from.1);
     let length = dx.hypot(dy);
     let (ex, ey) = (dx / length, dy / length);
@@ -275,7 +291,7 @@ fn wings(canvas: &mut Canvas, from: Point, tip: Point) {
     let wing = |side: f64| {
         (tip.0 - head * ex + side * 0.45 * head * ey, tip.1 - head * ey - side * 0.45 * head * ex)
     };
-    canvas.line_over(vec![wing(1.0), tip, wing(-1.0)], INK, 1.2);
+    vec![wing(1.0), tip, wing(-1.0)]
 }
 
 #[cfg(test)]

@@ -13,10 +13,13 @@ impl Run {
         let case = self.case.clone();
         let plans = &case.config.functions;
         let due: Vec<bool> = plans.iter().map(|f| f.schedule.due(moment)).collect();
-        let needed: Vec<bool> =
-            plans.iter().zip(&due).map(|(f, due)| *due || f.plan.remembers()).collect();
+        let acts = |(f, due): (&Planned, &bool)| match f.execute {
+            Some(execute) => execute.due(moment),
+            None => *due || f.plan.remembers(),
+        };
+        let needed: Vec<bool> = plans.iter().zip(&due).map(acts).collect();
         let mut fresh = false;
-        self.make_fields(needed, &mut fresh)?;
+        self.make_fields(needed, Some(moment), &mut fresh)?;
         for i in (0..plans.len()).filter(|i| due[*i]) {
             self.derive_for(i, &mut fresh)?;
             let written: Vec<Written> = match self.crew.worker.order(Order::Sample(i)) {
@@ -31,7 +34,12 @@ impl Run {
     }
 
     /// Lets the `needed` functions, and those whose fields they look at, make theirs.
-    fn make_fields(&mut self, mut needed: Vec<bool>, fresh: &mut bool) -> Result<(), CaseError> {
+    fn make_fields(
+        &mut self,
+        mut needed: Vec<bool>,
+        moment: Option<&Moment>,
+        fresh: &mut bool,
+    ) -> Result<(), CaseError> {
         let case = self.case.clone();
         let plans = &case.config.functions;
         // What a function looks at was made before it.
@@ -40,9 +48,13 @@ impl Run {
                 plans[i].plan.uses().into_iter().for_each(|used| needed[used] = true);
             }
         }
-        for i in (0..plans.len()).filter(|i| needed[*i] && !plans[*i].plan.makes().is_empty()) {
+        // A function that says when is not asked in between.
+        let asked = |i: &usize| plans[*i].execute.is_none_or(|e| moment.is_some_and(|m| e.due(m)));
+        let makes = |i: &usize| needed[*i] && asked(i) && !plans[*i].plan.makes().is_empty();
+        for i in (0..plans.len()).filter(makes) {
             self.derive_for(i, fresh)?;
             let _ = self.crew.worker.order(Order::Make(i));
+            self.executed[i] = true;
         }
         Ok(())
     }
@@ -71,11 +83,12 @@ impl Run {
         };
         let makers: Vec<bool> = plans.iter().map(wanted).collect();
         let mut out = MadeFields::default();
-        if derived && self.make_fields(makers.clone(), &mut true).is_err() {
+        if derived && self.make_fields(makers.clone(), moment.as_ref(), &mut true).is_err() {
             return out;
         }
         for (i, f) in plans.iter().enumerate().filter(|(i, _)| makers[*i]) {
-            if !self.crew.worker.has_fields(i) {
+            let idle = f.execute.is_some() && !self.executed[i];
+            if idle || !self.crew.worker.has_fields(i) {
                 continue;
             }
             for (slot, info) in f.plan.makes().into_iter().enumerate() {

@@ -1,12 +1,13 @@
 //! `granflow list`: what can be written in a case, from the registries.
 
+use super::schemes;
 use crate::args::{List, Listing};
 use crate::catalogue;
 use crate::failure::Failure;
 use crate::session::Session;
 use crate::text::wrap;
 use granflow_physics::rheology;
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 /// One thing that can be written.
 struct Item {
@@ -14,18 +15,21 @@ struct Item {
     /// What the name stands for where a list holds several kinds (solver, preconditioner).
     kind: Option<String>,
     summary: String,
-    formula: Option<String>,
+    formula: String,
+    /// Entries beside the name, each with its meaning and unit.
+    keys: &'static [(&'static str, &'static str)],
     reference: String,
     mapped_onto: Option<String>,
 }
 
 impl Item {
-    fn new(name: &str, summary: &str, reference: &str) -> Item {
+    fn new(name: &str, summary: &str, formula: &str, reference: &str) -> Item {
         Item {
             name: name.into(),
             kind: None,
             summary: summary.into(),
-            formula: None,
+            formula: formula.into(),
+            keys: &[],
             reference: reference.into(),
             mapped_onto: None,
         }
@@ -40,20 +44,25 @@ impl Item {
         put("name", Some(&self.name));
         put("kind", self.kind.as_deref());
         put("summary", Some(&self.summary));
-        put("formula", self.formula.as_deref());
+        put("formula", Some(self.formula.as_str()).filter(|f| !f.is_empty()));
         put("mapped_onto", self.mapped_onto.as_deref());
         put("reference", Some(&self.reference));
+        if !self.keys.is_empty() {
+            let keys = self.keys.iter().map(|(key, meaning)| json!([key, meaning]));
+            object.insert("keys".to_owned(), keys.collect());
+        }
         object
     }
 }
 
-const EVERYTHING: [Listing; 7] = [
+const EVERYTHING: [Listing; 8] = [
     Listing::Rheologies,
     Listing::Conditions,
     Listing::Waves,
     Listing::Schemes,
     Listing::Solvers,
     Listing::Functions,
+    Listing::Sources,
     Listing::Cases,
 ];
 
@@ -66,6 +75,7 @@ fn title(what: Listing) -> (&'static str, &'static str) {
         Listing::Schemes => ("schemes", "words of system/fvSchemes"),
         Listing::Solvers => ("solvers", "solver, preconditioner, smoother in system/fvSolution"),
         Listing::Functions => ("functions", "type of a function in system/controlDict"),
+        Listing::Sources => ("sources", "type of a force in constant/fvOptions"),
         Listing::Cases => ("cases", "built in: granflow new NAME"),
     }
 }
@@ -114,7 +124,7 @@ fn print(session: &mut Session, items: &[Item]) {
         }
         let room = 96_usize.saturating_sub(width + 4).max(30);
         let mut body = wrap(&item.summary, width + 4, room);
-        for more in [item.formula.as_deref(), Some(item.reference.as_str())].into_iter().flatten() {
+        for more in [&item.formula, &item.reference].into_iter().filter(|t| !t.is_empty()) {
             body += "\n";
             body += &wrap(more, width + 6, room - 2);
         }
@@ -127,205 +137,44 @@ fn items(what: Listing) -> Vec<Item> {
     match what {
         Listing::Rheologies => rheology::ALL
             .iter()
-            .map(|e| Item {
-                formula: Some(e.formula.into()),
-                ..Item::new(e.name, e.summary, e.reference)
-            })
+            .map(|e| Item::new(e.name, e.summary, e.formula, e.reference))
             .collect(),
         Listing::Conditions => granflow_fv::conditions::ALL
             .iter()
-            .map(|e| Item::new(e.name, e.summary, e.reference))
+            .map(|e| Item { keys: e.keys, ..Item::new(e.name, e.summary, e.formula, e.reference) })
             .collect(),
         Listing::Waves => granflow_fv::waves::ALL
             .iter()
-            .map(|e| Item::new(e.name, e.summary, e.reference))
+            .map(|e| Item::new(e.name, e.summary, e.formula, e.reference))
             .collect(),
-        Listing::Schemes => schemes(),
+        Listing::Schemes => schemes::ALL
+            .iter()
+            .map(|e| Item {
+                kind: Some(e.kind.into()),
+                ..Item::new(e.name, e.summary, e.formula, e.reference)
+            })
+            .collect(),
+        Listing::Sources => granflow_flow::sources::ALL
+            .iter()
+            .map(|e| Item::new(e.names[0], e.summary, e.formula, e.reference))
+            .collect(),
         Listing::Solvers => granflow_linsolve::ALL
             .iter()
             .map(|e| Item {
                 kind: Some(e.kind.to_string()),
                 mapped_onto: e.mapped_onto.map(Into::into),
-                ..Item::new(e.name, e.summary, e.reference)
+                ..Item::new(e.name, e.summary, e.formula, e.reference)
             })
             .collect(),
         Listing::Functions => granflow_case::functions::ALL
             .iter()
-            .map(|e| Item::new(e.name, e.summary, e.reference))
+            .map(|e| Item::new(e.name, e.summary, e.formula, e.reference))
             .collect(),
-        Listing::Cases => {
-            catalogue::ALL.iter().map(|c| Item::new(c.name, &c.summary(), &c.reference())).collect()
-        }
+        Listing::Cases => catalogue::ALL
+            .iter()
+            .map(|c| Item::new(c.name, &c.summary(), "", &c.reference()))
+            .collect(),
     }
-}
-
-/// Kind, name, summary, reference. The limiters' names come from `fv`; a test keeps this table
-/// complete.
-const SCHEMES: &[(&str, &str, &str, &str)] = &[
-    ("time", "Euler", "implicit, first order", HIRSCH),
-    (
-        "time",
-        "backward",
-        "differences over two steps, second order",
-        "C. W. Gear, Numerical Initial Value Problems in Ordinary Differential Equations, 1971",
-    ),
-    (
-        "time",
-        "CrankNicolson",
-        "trapezoidal rule, second order; `CrankNicolson 0.9` has a little of Euler in it, 0 is Euler",
-        "J. Crank, P. Nicolson, Math. Proc. Camb. Phil. Soc. 43 (1947) 50",
-    ),
-    (
-        "time",
-        "localEuler",
-        "Euler with a step of its own for every cell, towards a steady state: `maxCo`, `maxDeltaT`, \
-         `rDeltaTSmoothingCoeff` of PIMPLE",
-        HIRSCH,
-    ),
-    (
-        "time",
-        "bounded",
-        "before another scheme: takes out the flux's divergence, which there is none of here",
-        "book, Finite volumes",
-    ),
-    (
-        "time",
-        "steadyState",
-        "none: a step finds the steady state of the conditions at its end",
-        "book, Steady states",
-    ),
-    ("gradient", "Gauss", "Gauss's theorem with linear interpolation, `Gauss linear`", FERZIGER),
-    ("gradient", "leastSquares", "least squares weighted with the distance", BARTH),
-    (
-        "gradient",
-        "cellLimited",
-        "before another scheme, with a number from 0 to 1: the whole gradient shrinks until it says \
-         nothing at faces that neighbours do not have; for convection",
-        BARTH,
-    ),
-    (
-        "gradient",
-        "cellMDLimited",
-        "the same, and only its part along the way to the face shrinks",
-        BARTH,
-    ),
-    ("gradient", "faceLimited", "cellLimited by the two cells of every face alone", BARTH),
-    ("gradient", "faceMDLimited", "cellMDLimited by the two cells of every face alone", BARTH),
-    ("convection", "upwind", "the upwind cell's value, first order, bounded", FERZIGER),
-    ("convection", "linear", "central, second order, unbounded", FERZIGER),
-    (
-        "convection",
-        "linearUpwind",
-        "upwind with the upwind cell's gradient, second order",
-        "R. F. Warming, R. M. Beam, AIAA J. 14 (1976) 1241",
-    ),
-    (
-        "convection",
-        "linearUpwindV",
-        "linearUpwind, of a vector: along its own change and no further than central",
-        "R. F. Warming, R. M. Beam, AIAA J. 14 (1976) 1241",
-    ),
-    (
-        "convection",
-        "cubic",
-        "the cubic through values and gradients of both cells, unbounded",
-        "Ch. Hermite, J. reine angew. Math. 84 (1878) 70",
-    ),
-    (
-        "convection",
-        "LUST",
-        "three quarters central, one quarter linearUpwind",
-        "H. Weller, Mon. Weather Rev. 140 (2012) 3220",
-    ),
-    ("convection", "blended", "a share of central, the rest upwind: `blended 0.8`", FERZIGER),
-    (
-        "convection",
-        "fixedBlended",
-        "two schemes in fixed shares: `fixedBlended 0.8 linear linearUpwind grad(U)`",
-        FERZIGER,
-    ),
-    ("convection", "limitedLinear", "central limited towards upwind, `limitedLinear 1`", SWEBY),
-    (
-        "convection",
-        "vanLeer",
-        "van Leer's harmonic limiter",
-        "B. van Leer, J. Comput. Phys. 14 (1974) 361",
-    ),
-    (
-        "convection",
-        "vanAlbada",
-        "van Albada's smooth limiter",
-        "G. D. van Albada, B. van Leer, W. W. Roberts, Astron. Astrophys. 108 (1982) 76",
-    ),
-    (
-        "convection",
-        "Minmod",
-        "the most diffusive second-order limiter",
-        "P. L. Roe, Annu. Rev. Fluid Mech. 18 (1986) 337",
-    ),
-    (
-        "convection",
-        "SuperBee",
-        "the most compressive second-order limiter",
-        "P. L. Roe, in Lectures in Applied Mathematics 22 (1985) 163",
-    ),
-    (
-        "convection",
-        "MUSCL",
-        "van Leer's monotonised central limiter",
-        "B. van Leer, J. Comput. Phys. 32 (1979) 101",
-    ),
-    (
-        "convection",
-        "QUICK",
-        "quadratic upwind, limited",
-        "B. P. Leonard, Comput. Methods Appl. Mech. Eng. 19 (1979) 59",
-    ),
-    (
-        "convection",
-        "OSPRE",
-        "a smooth limiter",
-        "N. P. Waterson, H. Deconinck, 9th Int. Conf. Numer. Meth. Laminar Turbul. Flow (1995)",
-    ),
-    (
-        "convection",
-        "UMIST",
-        "QUICK's symmetric bounded relative",
-        "F. S. Lien, M. A. Leschziner, Int. J. Numer. Meth. Fluids 19 (1994) 527",
-    ),
-    (
-        "convection",
-        "Gamma",
-        "central, blended into upwind where it would overshoot: `Gamma 1`",
-        "H. Jasak, H. G. Weller, A. D. Gosman, Int. J. Numer. Meth. Fluids 31 (1999) 431",
-    ),
-    ("correction", "corrected", "full non-orthogonal correction of the normal gradient", JASAK),
-    (
-        "correction",
-        "limited",
-        "the correction up to a multiple of the cells' difference, `limited 0.5` or `limited corrected 0.5`",
-        JASAK,
-    ),
-    ("correction", "uncorrected", "no non-orthogonal correction", JASAK),
-    (
-        "correction",
-        "orthogonal",
-        "the difference over the distance of the centres; as a Laplacian it is `uncorrected`",
-        JASAK,
-    ),
-];
-const HIRSCH: &str = "C. Hirsch, Numerical Computation of Internal and External Flows, 1988";
-const FERZIGER: &str = "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 4";
-const BARTH: &str = "T. J. Barth, D. C. Jespersen, AIAA 89-0366 (1989)";
-const SWEBY: &str = "P. K. Sweby, SIAM J. Numer. Anal. 21 (1984) 995";
-const JASAK: &str = "H. Jasak, PhD thesis, Imperial College 1996, ch. 3.3";
-
-fn schemes() -> Vec<Item> {
-    let one = |(kind, name, summary, reference): &(&str, &str, &str, &str)| Item {
-        kind: Some((*kind).into()),
-        ..Item::new(name, summary, reference)
-    };
-    SCHEMES.iter().map(one).collect()
 }
 
 #[cfg(test)]
@@ -336,7 +185,7 @@ mod tests {
     #[test]
     fn every_convection_scheme_is_listed_and_nothing_else() {
         let mut listed: Vec<&str> =
-            SCHEMES.iter().filter(|s| s.0 == "convection").map(|s| s.1).collect();
+            schemes::ALL.iter().filter(|s| s.kind == "convection").map(|s| s.name).collect();
         let mut known = granflow_case::config::PLAIN.to_vec();
         known.extend(LimiterKind::NAMES);
         listed.sort_unstable();
@@ -351,6 +200,7 @@ mod tests {
             assert!(!items.is_empty() || what == Listing::Cases, "{what:?}");
             for i in items {
                 assert!(!i.summary.is_empty() && !i.reference.is_empty(), "{}", i.name);
+                assert!(!i.formula.is_empty() || what == Listing::Cases, "{}", i.name);
                 assert!(!i.name.contains(['/', '\\', ' ']), "{}", i.name);
                 assert!(!i.summary.ends_with('.') && !i.reference.ends_with('.'), "{}", i.name);
             }

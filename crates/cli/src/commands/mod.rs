@@ -9,6 +9,7 @@ pub(crate) mod mesh;
 pub(crate) mod new;
 pub(crate) mod plot;
 pub(crate) mod run;
+mod schemes;
 pub(crate) mod sweep;
 pub(crate) mod validate;
 

@@ -91,6 +91,10 @@ impl<'a> Reader<'a> {
         };
         self.dict().entries.iter().filter_map(word).collect()
     }
+    /// The keys that were asked for so far, there or not.
+    pub fn asked(&self) -> Vec<String> {
+        self.node.asked.borrow().clone()
+    }
     /// The entry for `key`, taken; silent when absent.
     pub fn entry(&self, key: &str) -> Option<&'a Entry> {
         let mut asked = self.node.asked.borrow_mut();

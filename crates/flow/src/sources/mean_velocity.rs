@@ -66,8 +66,13 @@ impl Source for MeanVelocity {
     }
 }
 
-pub(super) const ENTRY: Entry =
-    Entry { names: &["meanVelocityForce"], summary: "what holds a mean velocity", read };
+pub(super) const ENTRY: Entry = Entry {
+    names: &["meanVelocityForce"],
+    summary: "the uniform force that keeps the mean velocity over a zone at Ubar",
+    formula: "f = g Ubar/|Ubar|, g such that sum U V . Ubar/|Ubar| = |Ubar| sum V",
+    reference: "OpenFOAM user guide, fvOptions",
+    read,
+};
 
 fn read(of: &Given<'_, '_>) -> Vec<Box<dyn Source>> {
     let r = of.r;

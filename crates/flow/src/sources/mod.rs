@@ -3,12 +3,14 @@
 //! Every source adds a force per volume `body - sink U` to momentum: the sink is implicit. To add one:
 //! a file here with its [`Entry`], and a line in [`ALL`].
 
+mod axes;
 mod frame;
 mod given;
 mod mean_velocity;
 mod porous;
 mod semi_implicit;
 
+pub use axes::axes_of;
 pub use frame::RotatingFrame;
 pub use given::Given;
 pub use mean_velocity::MeanVelocity;
@@ -22,8 +24,12 @@ use granflow_base::{Value, Vec3};
 pub struct Entry {
     /// The types in `fvOptions` that it serves, the usual one first.
     pub names: &'static [&'static str],
-    /// What it does.
+    /// One line for lists and the book.
     pub summary: &'static str,
+    /// The force per volume (per density of it with one fluid), `U` the velocity.
+    pub formula: &'static str,
+    /// Where it comes from.
+    pub reference: &'static str,
     /// Reads one entry of `fvOptions`: a source for every force in it. Mistakes go to the reader's sink.
     pub read: fn(&Given<'_, '_>) -> Vec<Box<dyn Source>>,
 }
@@ -118,7 +124,7 @@ impl Flow {
 
     /// Force per volume and sink of the flow as it stands, into `work.body` and `work.sink`.
     pub(crate) fn apply_sources(&mut self) {
-        if !self.has_sources() {
+        if !self.has_sources() && !self.has_compatible_viscosity() {
             return;
         }
         let compatible = self.numerics.compatible;

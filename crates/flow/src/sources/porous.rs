@@ -2,9 +2,10 @@
 //! (H. Darcy, Les fontaines publiques de la ville de Dijon, 1856; P. Forchheimer, Z. Ver. Dtsch. Ing. 45
 //! (1901) 1782).
 
+use super::axes::axes;
 use super::{Entry, Given, Seen, Source, Zone, three};
-use granflow_base::{Dims, Value, Vec3, cross, dot, norm, scale, sub, unit};
-use granflow_dict::{Reader, Severity};
+use granflow_base::{Dims, Value, Vec3, dot, norm};
+use granflow_dict::Severity;
 
 /// A porous body.
 #[derive(Clone, Debug)]
@@ -61,8 +62,13 @@ impl Source for Porous {
     }
 }
 
-pub(super) const ENTRY: Entry =
-    Entry { names: &["explicitPorositySource"], summary: "drag of a porous body", read };
+pub(super) const ENTRY: Entry = Entry {
+    names: &["explicitPorositySource"],
+    summary: "a porous body: the drag of Darcy and Forchheimer along three axes",
+    formula: "f = -(eta d + rho |U|/2 f) . U, d and f along the axes of coordinateSystem",
+    reference: "P. Forchheimer, Z. Ver. Dtsch. Ing. 45 (1901) 1782",
+    read,
+};
 
 fn read(of: &Given<'_, '_>) -> Vec<Box<dyn Source>> {
     of.always();
@@ -94,47 +100,4 @@ fn read(of: &Given<'_, '_>) -> Vec<Box<dyn Source>> {
 fn positive(v: Vec3) -> Vec3 {
     let most = v.iter().copied().fold(0.0, f64::max);
     v.map(|x| if x < 0.0 { -x * most } else { x })
-}
-
-/// The axes of `coordinateSystem`: `e1` and `e2` (or `e3`), perhaps in `rotation`, or those of space.
-fn axes(r: &Reader<'_>) -> [Vec3; 3] {
-    let own = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let Some(system) = r.opt_sub("coordinateSystem") else { return own };
-    for key in ["type", "origin"] {
-        system.ignore(key);
-    }
-    let turned = system.opt_sub("rotation").or_else(|| {
-        system.entry("coordinateRotation").and_then(|_| system.opt_sub("coordinateRotation"))
-    });
-    let of = turned.as_ref().unwrap_or(&system);
-    let kind = of.opt_word("type", "axes");
-    let (e1, e2, e3) = (
-        of.maybe_vector("e1", Dims::NONE),
-        of.maybe_vector("e2", Dims::NONE),
-        of.maybe_vector("e3", Dims::NONE),
-    );
-    let found = match (e1, e2, e3) {
-        _ if kind == "none" => Some(own),
-        (None, None, None) if kind == "axes" => Some(own),
-        (Some(a), Some(b), _) => right_handed(a, b),
-        (None, Some(b), Some(c)) => right_handed(b, c).map(|[b, c, a]| [a, b, c]),
-        (Some(a), None, Some(c)) => right_handed(c, a).map(|[c, a, b]| [a, b, c]),
-        _ => None,
-    };
-    of.ignore_all();
-    system.ignore_all();
-    found.unwrap_or_else(|| {
-        let help = Some(
-            "give two of them: `coordinateSystem { origin (0 0 0); e1 (1 0 0); e2 (0 1 0); }`",
-        );
-        r.error_at_key("coordinateSystem", "the axes are not given", "needs two axes", help);
-        own
-    })
-}
-
-/// Unit vectors along `a`, along `b` as far as it is perpendicular to `a`, and along `a x b`.
-fn right_handed(a: Vec3, b: Vec3) -> Option<[Vec3; 3]> {
-    let a = unit(a);
-    let b = sub(b, scale(a, dot(a, b)));
-    (norm(a) > 0.0 && norm(b) > 0.0).then(|| [a, unit(b), cross(a, unit(b))])
 }

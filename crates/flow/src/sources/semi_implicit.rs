@@ -58,7 +58,10 @@ impl Source for SemiImplicit {
 
 pub(super) const ENTRY: Entry = Entry {
     names: &["vectorSemiImplicitSource", "semiImplicitSource"],
-    summary: "a given force, perhaps less a drag",
+    summary: "a given force and a drag, in all cells or in a zone, perhaps for a time",
+    formula: "f = S + k U, k <= 0, of `U (S k);` in injectionRateSuSp; over the volume of the zone \
+              with volumeMode absolute",
+    reference: "OpenFOAM user guide, fvOptions",
     read,
 };
 

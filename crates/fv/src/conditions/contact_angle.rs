@@ -1,6 +1,9 @@
 //! The angle at which an interface meets a wall.
 
-use super::{Condition, PatchClosure, PatchView};
+use super::read::leave_value;
+use super::{Condition, Entry, PatchClosure, PatchContext, PatchView};
+use granflow_base::Dims;
+use granflow_dict::Reader;
 
 /// What keeps the fraction on the face within 0 and 1 (`limit`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,6 +69,29 @@ impl Condition<f64> for ConstantAlphaContactAngle {
             ("limit".into(), limit.map_or("none", |l| l.0).into()),
         ]
     }
+}
+
+pub(super) const ENTRY: Entry = Entry {
+    name: "constantAlphaContactAngle",
+    summary: "of a volume fraction: the interface meets the wall at the angle theta0 (degrees, \
+              through the first fluid)",
+    formula: "alpha_f = alpha_P + h |grad alpha|_P cos(theta0), within 0 and 1 unless \
+              limit is none; phi_f = phi_P with zeroGradient",
+    keys: &[
+        ("theta0", "degrees, through the first fluid"),
+        ("limit", "`none`, `gradient`, `zeroGradient` or `alpha`"),
+    ],
+    reference: "J. U. Brackbill, D. B. Kothe, C. Zemach, J. Comput. Phys. 100 (1992) 335",
+    scalar: Some(contact_angle),
+    vector: None,
+};
+
+fn contact_angle(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
+    leave_value(r);
+    r.ignore("gradient");
+    let theta0 = r.in_range("theta0", Dims::NONE, 0.0..=180.0);
+    let limit = r.one_of("limit", &ContactLimit::ALL);
+    Box::new(ConstantAlphaContactAngle { theta0, limit, n_inner: c.n_inner })
 }
 
 #[cfg(test)]

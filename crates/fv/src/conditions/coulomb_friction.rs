@@ -1,9 +1,10 @@
 //! A wall that holds what touches it as far as its friction reaches.
 
 use super::basic::text;
-use super::{Condition, PatchClosure, PatchView};
-use granflow_base::{Value, Vec3, dot, norm, scale, sub};
-use granflow_dict::number;
+use super::read::leave_value;
+use super::{Condition, Entry, PatchClosure, PatchContext, PatchView};
+use granflow_base::{Dims, Value, Vec3, dot, norm, scale, sub};
+use granflow_dict::{Reader, number};
 
 /// Coulomb friction between material and a wall, as a complementarity without regularisation:
 ///
@@ -64,6 +65,29 @@ impl Condition<Vec3> for CoulombFriction {
     fn entries(&self) -> Vec<(String, String)> {
         vec![("mu".into(), number(self.mu)), ("wallVelocity".into(), text(self.wall_velocity))]
     }
+}
+
+pub(super) const ENTRY: Entry = Entry {
+    name: "coulombFriction",
+    summary: "a wall that holds up to the traction mu P; beyond it the material slides and \
+              mu P drags it (no regularisation)",
+    formula: "U_f = V where eta |W|/h <= mu p, else dU/dn = -(mu p/eta) W/|W| along the \
+              wall and U_f . n = 0; V = wallVelocity along the wall, W = U_P - V along the \
+              wall",
+    keys: &[
+        ("mu", "friction coefficient of the wall"),
+        ("wallVelocity", "m/s; what is normal to the wall does not count"),
+    ],
+    reference: "G. Duvaut, J.-L. Lions, Inequalities in Mechanics and Physics, 1976, ch. 3.5",
+    scalar: None,
+    vector: Some(coulomb_friction),
+};
+
+fn coulomb_friction(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    leave_value(r);
+    let mu = r.non_negative("mu", Dims::NONE);
+    let wall_velocity = r.vector("wallVelocity", c.dims);
+    Box::new(CoulombFriction { mu, wall_velocity, n_inner: c.n_inner })
 }
 
 #[cfg(test)]

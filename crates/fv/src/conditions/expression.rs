@@ -37,6 +37,11 @@ impl<T: Value> Condition<T> for ExprFixedValue {
 pub(super) const ENTRY: Entry = Entry {
     name: "exprFixedValue",
     summary: "Dirichlet: a formula of pos(), time(), normal() and variables",
+    formula: "phi_f = valueExpr",
+    keys: &[
+        ("valueExpr", "the formula, a text"),
+        ("variables", "a list of texts `name = formula`, in their order, optional"),
+    ],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: Some(read),
     vector: Some(read),

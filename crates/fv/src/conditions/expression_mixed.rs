@@ -51,6 +51,16 @@ pub(super) const ENTRY: Entry = Entry {
     name: "exprMixed",
     summary: "Robin: formulae valueExpr (0 if left out), gradientExpr (outward, 0) and fractionExpr, the \
               share of the value (1)",
+    formula: "phi_f = w valueExpr + (1 - w)(phi_P + gradientExpr h), w = fractionExpr",
+    keys: &[
+        ("valueExpr", "the formula of the value, a text, optional beside gradientExpr: 0"),
+        (
+            "gradientExpr",
+            "the formula of the outward gradient, a text, optional beside valueExpr: 0",
+        ),
+        ("fractionExpr", "the formula of the share of the value, 0 to 1, a text, optional: 1"),
+        ("variables", "a list of texts `name = formula`, in their order, optional"),
+    ],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: Some(read),
     vector: Some(read),

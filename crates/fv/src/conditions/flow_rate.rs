@@ -1,7 +1,7 @@
 //! A given volume or mass per second through a patch.
 
 use super::read::leave_value;
-use super::{Condition, PatchClosure, PatchContext, PatchView};
+use super::{Condition, Entry, PatchClosure, PatchContext, PatchView};
 use crate::time_function::TimeFunction;
 use granflow_base::{Dims, Vec3, add, dot, norm, scale};
 use granflow_dict::{Reader, number};
@@ -160,6 +160,48 @@ impl Condition<Vec3> for FlowRateOutlet {
     fn entries(&self) -> Vec<(String, String)> {
         self.rate.given.clone()
     }
+}
+
+pub(super) const INLET: Entry = Entry {
+    name: "flowRateInletVelocity",
+    summary: "inflow of a given volume (or mass) per second, a function of time: the same speed \
+              along the normal everywhere, or with extrapolateProfile as it arrives",
+    formula: "U_f = -(Q/A) n, A = sum |S|; with extrapolateProfile U_f = U_P - (U_P . n) n \
+              - (k u + s) n, u = max(-U_P . n, 0), k = Q/q and s = 0 where q = sum u |S| > \
+              Q/2, else k = 1 and s = (Q - q)/A; of a mass, rho Q instead of Q",
+    keys: &[
+        ("volumetricFlowRate", "m3/s, a function of time"),
+        ("massFlowRate", "kg/s, a function of time, in its place"),
+        ("rhoInlet", "kg/m3, default that of the fluid"),
+        ("extrapolateProfile", "`true`: the profile that arrives; default `false`"),
+    ],
+    reference: "OpenFOAM user guide, boundary conditions",
+    scalar: None,
+    vector: Some(flow_rate_inlet),
+};
+pub(super) const OUTLET: Entry = Entry {
+    name: "flowRateOutletVelocity",
+    summary: "outflow of a given volume (or mass) per second with the profile that arrives, a \
+              function of time",
+    formula: "U_f = U_P - (U_P . n) n + (k u + s) n, u = max(U_P . n, 0), k = Q/q and s = \
+              0 where q = sum u |S| > Q/2, else k = 1 and s = (Q - q)/sum |S|; of a mass, \
+              rho Q instead of Q",
+    keys: &[
+        ("volumetricFlowRate", "m3/s, a function of time"),
+        ("massFlowRate", "kg/s, a function of time, in its place"),
+        ("rhoOutlet", "kg/m3, default that of the fluid"),
+    ],
+    reference: "OpenFOAM user guide, boundary conditions",
+    scalar: None,
+    vector: Some(flow_rate_outlet),
+};
+
+fn flow_rate_inlet(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    let extrapolates = r.opt_switch("extrapolateProfile", false);
+    Box::new(FlowRateInlet { rate: FlowRate::read(r, c, "rhoInlet"), extrapolates })
+}
+fn flow_rate_outlet(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    Box::new(FlowRateOutlet { rate: FlowRate::read(r, c, "rhoOutlet") })
 }
 
 #[cfg(test)]

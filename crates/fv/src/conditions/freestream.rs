@@ -51,6 +51,8 @@ pub(super) const VELOCITY: Entry = Entry {
     name: "freestreamVelocity",
     summary: "far from a body: the given velocity as far as the flow on the face points inwards, \
               zero gradient as far as it points outwards",
+    formula: "U_f = w freestreamValue + (1 - w) U_P, w = (1 - U_f . n/|U_f|)/2",
+    keys: &[("freestreamValue", "m/s, `uniform` or one a face")],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: None,
     vector: Some(|r, c| {
@@ -89,6 +91,11 @@ pub(super) const PRESSURE: Entry = Entry {
     name: "freestreamPressure",
     summary: "beside freestreamVelocity: the given pressure as far as the flow points outwards, zero \
               gradient as far as it points inwards",
+    formula: "p_f = w freestreamValue + (1 - w) p_P, w = (1 + U_f . n/|U_f|)/2",
+    keys: &[
+        ("freestreamValue", "units of the field, `uniform` or one a face"),
+        ("supersonic", "`false`"),
+    ],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: Some(pressure),
     vector: None,
@@ -106,6 +113,8 @@ fn pressure(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
 pub(super) const EITHER: Entry = Entry {
     name: "freestream",
     summary: "inletOutlet under another name, with freestreamValue",
+    formula: "phi_f = freestreamValue where flux < 0, else phi_P",
+    keys: &[("freestreamValue", "units of the field, `uniform` or one a face")],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: Some(either),
     vector: Some(either),

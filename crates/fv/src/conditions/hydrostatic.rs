@@ -71,6 +71,8 @@ fn read(
 pub(super) const UNIFORM: Entry = Entry {
     name: "uniformDensityHydrostaticPressure",
     summary: "pRefValue + rho g.(x - pRefPoint), the pressure of a fluid at rest",
+    formula: "p_f = pRefValue + rho g . (x_f - pRefPoint)",
+    keys: &[("rho", "kg/m3"), ("pRefValue", "Pa"), ("pRefPoint", "m")],
     reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, 1967, ch. 1.4",
     scalar: Some(|r, c| read(r, c, None)),
     vector: None,
@@ -78,6 +80,14 @@ pub(super) const UNIFORM: Entry = Entry {
 pub(super) const OF_PHASE: Entry = Entry {
     name: "phaseHydrostaticPressure",
     summary: "the same as far as the first fluid fills a face, zero gradient as far as it does not",
+    formula: "p_f = a (pRefValue + rho g . (x_f - pRefPoint)) + (1 - a) p_P, a: fraction of \
+              the first fluid on the face",
+    keys: &[
+        ("rho", "kg/m3"),
+        ("pRefValue", "Pa"),
+        ("pRefPoint", "m"),
+        ("phaseFraction", "name of the fraction, of which there is one"),
+    ],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: Some(|r, c| {
         // The name of the fraction, of which there is one.

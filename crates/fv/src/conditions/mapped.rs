@@ -68,6 +68,15 @@ pub(super) const ENTRY: Entry = Entry {
     name: "timeVaryingMappedFixedValue",
     summary: "Dirichlet: values at points and times from constant/boundaryData/<patch>, linear between \
               them",
+    formula: "phi_f = offset(t) + (1 - s) sum_k w_k v_k(t_0) + s sum_k w_k v_k(t_1), s = (t - \
+              t_0)/(t_1 - t_0); w_k: shares of the corners of the triangle of points around \
+              x_f, or 1 of the nearest",
+    keys: &[
+        ("mapMethod", "`planarInterpolation` (default) or `nearest`"),
+        ("offset", "units of the field, a function of time, optional"),
+        ("fieldTable", "name of the file with the values, default that of the field"),
+        ("setAverage", "`off`: values are not shifted to an average"),
+    ],
     reference: "B. Delaunay, Bull. Acad. Sci. URSS (1934) 793",
     scalar: Some(read),
     vector: Some(read),

@@ -58,6 +58,9 @@ pub(super) const FIXED_MEAN: Entry = Entry {
     name: "fixedMean",
     summary: "the values of the cells behind the patch, scaled or shifted to a given mean, a function \
               of time",
+    formula: "phi_f = phi_P |M|/|m| where |m| > |M|/2, else phi_P + M - m; M = meanValue(t), m \
+              = sum phi_P |S|/sum |S| over the patch",
+    keys: &[("meanValue", "units of the field, a function of time")],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: Some(|r, c| Box::new(read(r, c, false))),
     vector: Some(|r, c| Box::new(read(r, c, false))),
@@ -65,6 +68,11 @@ pub(super) const FIXED_MEAN: Entry = Entry {
 pub(super) const OUTLET_INLET: Entry = Entry {
     name: "fixedMeanOutletInlet",
     summary: "fixedMean where the flow leaves, zero gradient where it enters",
+    formula: "phi_f = phi_P where flux < 0; elsewhere that of fixedMean",
+    keys: &[
+        ("meanValue", "units of the field, a function of time"),
+        ("outletValue", "written by OpenFOAM, not used"),
+    ],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: Some(|r, c| Box::new(read(r, c, true))),
     vector: Some(|r, c| Box::new(read(r, c, true))),

@@ -42,6 +42,16 @@ impl<T: Value> Condition<T> for Mixed<T> {
 pub(super) const ENTRY: Entry = Entry {
     name: "mixed",
     summary: "Robin: a share valueFraction of a given value, the rest of a given outward gradient",
+    formula: "phi_f = w refValue + (1 - w) (phi_P + refGradient h), w = valueFraction",
+    keys: &[
+        ("refValue", "units of the field, `uniform` or one a face"),
+        ("refGradient", "units of the field a metre, outwards, `uniform` or one a face"),
+        (
+            "valueFraction",
+            "0 (the gradient is given) to 1 (the value is), `uniform` or one a \
+                           face",
+        ),
+    ],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: Some(read),
     vector: Some(read),

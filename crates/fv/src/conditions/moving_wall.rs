@@ -32,6 +32,8 @@ impl Condition<Vec3> for TranslatingWall {
 pub(super) const TRANSLATING: Entry = Entry {
     name: "translatingWallVelocity",
     summary: "no slip on a wall that moves along itself with the velocity U, a function of time",
+    formula: "U_f = U(t) - (U(t) . n) n",
+    keys: &[("U", "m/s, a function of time")],
     reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, 1967, ch. 3.3",
     scalar: None,
     vector: Some(|r, c| {
@@ -45,6 +47,8 @@ pub(super) const MOVING: Entry = Entry {
     name: "movingWallVelocity",
     summary: "no slip on a wall of a mesh that moves; meshes stand here, so that the velocity stays \
               what value says (zero without it)",
+    formula: "U_f = value",
+    keys: &[("value", "m/s, `uniform` or one a face, default 0")],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: None,
     vector: Some(moving),

@@ -31,6 +31,8 @@ impl Condition<Vec3> for FixedNormalSlip {
 pub(super) const FIXED_NORMAL_SLIP: Entry = Entry {
     name: "fixedNormalSlip",
     summary: "slip on a surface through which the normal part of fixedValue passes",
+    formula: "U_f = U_P + ((fixedValue - U_P) . n) n",
+    keys: &[("fixedValue", "m/s, `uniform` or one a face; only its normal part counts")],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: None,
     vector: Some(|r, c| {
@@ -63,6 +65,9 @@ impl<T: Value> Condition<T> for PartialSlip {
 pub(super) const PARTIAL_SLIP: Entry = Entry {
     name: "partialSlip",
     summary: "between slip (valueFraction 0) and no slip (1)",
+    formula: "U_f = (1 - w) (U_P - (U_P . n) n), w = valueFraction; of a scalar phi_f = (1 - \
+              w) phi_P",
+    keys: &[("valueFraction", "0 (slip) to 1 (no slip), `uniform` or one a face")],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: Some(partial_slip),
     vector: Some(partial_slip),
@@ -125,6 +130,12 @@ pub(super) const FIXED_NORMAL_OUTLET: Entry = Entry {
     name: "fixedNormalInletOutletVelocity",
     summary: "the normal part of the condition in normalVelocity; along the patch free, or as that \
               condition says where the flow enters",
+    formula: "U_f = U_P + ((V - U_P) . n) n, V: value of the condition normalVelocity; V \
+              itself where flux < 0 and fixTangentialInflow is true",
+    keys: &[
+        ("normalVelocity", "a dictionary: another condition"),
+        ("fixTangentialInflow", "`true` or `false`"),
+    ],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: None,
     vector: Some(fixed_normal_outlet),
@@ -169,6 +180,8 @@ impl<T: Value> Condition<T> for OutletInlet<T> {
 pub(super) const OUTLET_INLET: Entry = Entry {
     name: "outletInlet",
     summary: "a given value where the flow leaves, zero gradient where it enters",
+    formula: "phi_f = outletValue where flux >= 0, else phi_P",
+    keys: &[("outletValue", "units of the field, `uniform` or one a face")],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: Some(outlet_inlet),
     vector: Some(outlet_inlet),

@@ -59,6 +59,8 @@ pub(super) const ENTRY: Entry = Entry {
     name: "outletPhaseMeanVelocity",
     summary: "of two phases: what arrives, brought to a mean velocity `Umean` of fluid 1 out of the patch, a \
               function of time",
+    formula: "U_f = U_P scaled (below the mean that arrives) or moved along it, such that sum alpha_f U_f . S = Umean(t) sum alpha_f |S|",
+    keys: &[("alpha", "the fraction of fluid 1"), ("Umean", "m/s, outwards, a function of time")],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: None,
     vector: Some(read),

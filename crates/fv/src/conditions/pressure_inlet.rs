@@ -124,6 +124,8 @@ const REFERENCE: &str = "OpenFOAM user guide, boundary conditions";
 pub(super) const NORMAL: Entry = Entry {
     name: "pressureInletVelocity",
     summary: "where the pressure is given: along the normal, as fast as it comes",
+    formula: "U_f = (U_P . n) n",
+    keys: &[],
     reference: REFERENCE,
     scalar: None,
     vector: Some(|r, _| made("pressureInletVelocity", r, Inflow::Normal, false)),
@@ -131,6 +133,8 @@ pub(super) const NORMAL: Entry = Entry {
 pub(super) const UNIFORM: Entry = Entry {
     name: "pressureInletUniformVelocity",
     summary: "pressureInletVelocity with the mean speed on every face",
+    formula: "U_f = n sum U_P . S/sum |S|, sums over the patch",
+    keys: &[],
     reference: REFERENCE,
     scalar: None,
     vector: Some(|r, _| made("pressureInletUniformVelocity", r, Inflow::Uniform, false)),
@@ -138,6 +142,8 @@ pub(super) const UNIFORM: Entry = Entry {
 pub(super) const DIRECTED: Entry = Entry {
     name: "pressureDirectedInletVelocity",
     summary: "where the pressure is given: along inletDirection, as fast as it comes",
+    formula: "U_f = d (U_P . n)/(d . n), d = inletDirection",
+    keys: &[("inletDirection", "a vector of any length, `uniform` or one a face")],
     reference: REFERENCE,
     scalar: None,
     vector: Some(|r, c| made("pressureDirectedInletVelocity", r, directions(r, c), false)),
@@ -145,6 +151,8 @@ pub(super) const DIRECTED: Entry = Entry {
 pub(super) const DIRECTED_OUTLET: Entry = Entry {
     name: "pressureDirectedInletOutletVelocity",
     summary: "pressureDirectedInletVelocity where the flow enters, zero gradient where it leaves",
+    formula: "U_f = d (U_P . n)/(d . n) where flux < 0, else U_P; d = inletDirection",
+    keys: &[("inletDirection", "a vector of any length, `uniform` or one a face")],
     reference: REFERENCE,
     scalar: None,
     vector: Some(|r, c| made("pressureDirectedInletOutletVelocity", r, directions(r, c), true)),
@@ -152,6 +160,8 @@ pub(super) const DIRECTED_OUTLET: Entry = Entry {
 pub(super) const NORMAL_OUTLET: Entry = Entry {
     name: "pressureNormalInletOutletVelocity",
     summary: "pressureInletVelocity where the flow enters, zero gradient where it leaves",
+    formula: "U_f = (U_P . n) n where flux < 0, else U_P",
+    keys: &[],
     reference: REFERENCE,
     scalar: None,
     vector: Some(|r, _| made("pressureNormalInletOutletVelocity", r, Inflow::Normal, true)),
@@ -159,6 +169,8 @@ pub(super) const NORMAL_OUTLET: Entry = Entry {
 pub(super) const SLIP: Entry = Entry {
     name: "pressureInletOutletParSlipVelocity",
     summary: "where the pressure is given: as fast as it comes, and free along the patch",
+    formula: "U_f = U_P, explicit where flux < 0",
+    keys: &[],
     reference: REFERENCE,
     scalar: None,
     vector: Some(|r, _| made("pressureInletOutletParSlipVelocity", r, Inflow::Free, true)),
@@ -167,6 +179,9 @@ pub(super) const OUTLET: Entry = Entry {
     name: "pressureInletOutletVelocity",
     summary: "where the pressure is given: free where the flow leaves, along the normal where it \
               enters, with tangentialVelocity along the patch if that is given",
+    formula: "U_f = (U_P . n) n + T - (T . n) n where flux < 0, else U_P; T = \
+              tangentialVelocity",
+    keys: &[("tangentialVelocity", "m/s, `uniform` or one a face, default 0")],
     reference: REFERENCE,
     scalar: None,
     vector: Some(|r, c| {
@@ -181,6 +196,8 @@ pub(super) const ROTATING: Entry = Entry {
     name: "rotatingPressureInletOutletVelocity",
     summary: "pressureInletOutletVelocity in a frame that turns about the origin with omega (vector, \
               rad/s)",
+    formula: "U_f = (U_P . n) n + V - (V . n) n where flux < 0, else U_P; V = -omega x x_f",
+    keys: &[("omega", "a vector, rad/s")],
     reference: REFERENCE,
     scalar: None,
     vector: Some(|r, _| {

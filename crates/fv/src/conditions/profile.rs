@@ -40,6 +40,12 @@ impl<T: Value> Condition<T> for FixedProfile<T> {
 pub(super) const ENTRY: Entry = Entry {
     name: "fixedProfile",
     summary: "Dirichlet: a function of the distance along a direction, written as functions of time are",
+    formula: "phi_f = profile(d . x_f - origin), d = direction/|direction|",
+    keys: &[
+        ("profile", "units of the field, written as a function of time is, of a distance in m"),
+        ("direction", "a vector, of any length"),
+        ("origin", "m along the direction, where the profile begins"),
+    ],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: Some(read),
     vector: Some(read),

@@ -4,16 +4,13 @@
 use super::basic::Calculated;
 use super::read::{field_values, leave_flux, leave_value};
 use super::{
-    Condition, ConstantAlphaContactAngle, ContactLimit, CoulombFriction, FixedFluxPressure,
-    FixedGradient, FixedValue, FlowRate, FlowRateInlet, FlowRateOutlet, InletOutlet, LocalFluidity,
-    OfPatchType, PatchContext, PrghPressure, Reason, RotatingWall, Slip, VariableHeightFlowRate,
-    VariableHeightFlowRateInlet, WaveAlpha, WaveVelocity, ZeroGradient, expression,
-    expression_mixed, freestream, hydrostatic, mapped, mean, mixed, moving_wall, normal_part,
-    phase_mean, pressure_inlet, profile, refused, scaled, surface_normal, swirl, total_pressure,
-    uniform,
+    Condition, FixedGradient, FixedValue, InletOutlet, OfPatchType, PatchContext, Reason, Slip,
+    ZeroGradient, contact_angle, coulomb_friction, expression, expression_mixed, flow_rate,
+    freestream, hydrostatic, local_fluidity, mapped, mean, mixed, moving_wall, normal_part,
+    phase_mean, pressure, pressure_inlet, profile, refused, rotating, scaled, surface_normal,
+    swirl, total_pressure, uniform, variable_height, wave,
 };
-use crate::time_function::TimeFunction;
-use granflow_base::{Dims, Value, Vec3, norm, unit};
+use granflow_base::{Value, Vec3};
 use granflow_dict::{CONSTRAINT_TYPES, Reader};
 use granflow_mesh::PatchKind;
 
@@ -26,6 +23,12 @@ pub struct Entry {
     pub name: &'static str,
     /// One line for lists and the book.
     pub summary: &'static str,
+    /// What it makes of the face's value, in the symbols of the chapter on conditions: `phi` a field,
+    /// `U` the velocity, `_f` on the face, `_P` in the cell behind it, `h` the distance of that cell's
+    /// centre from the face, `n` the outward normal, `S` the area vector, `t` time.
+    pub formula: &'static str,
+    /// Its entries in the patch's dictionary beside `type`, each with its meaning and unit.
+    pub keys: &'static [(&'static str, &'static str)],
     /// Where the definition comes from.
     pub reference: &'static str,
     /// Reader for scalars, if it applies to them.
@@ -54,25 +57,6 @@ fn slip<T: Value>(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<T>>
     leave_value(r);
     Box::new(Slip)
 }
-fn prgh_pressure(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
-    leave_value(r);
-    r.ignore("rho");
-    Box::new(PrghPressure::new(field_values(r, "p", c)))
-}
-fn fixed_flux_pressure(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
-    leave_value(r);
-    for key in ["gradient", "phi", "rho"] {
-        r.ignore(key);
-    }
-    Box::new(FixedFluxPressure::new(c.n_inner))
-}
-fn contact_angle(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
-    leave_value(r);
-    r.ignore("gradient");
-    let theta0 = r.in_range("theta0", Dims::NONE, 0.0..=180.0);
-    let limit = r.one_of("limit", &ContactLimit::ALL);
-    Box::new(ConstantAlphaContactAngle { theta0, limit, n_inner: c.n_inner })
-}
 fn calculated<T: Value>(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<T>> {
     leave_value(r);
     Box::new(Calculated("calculated"))
@@ -81,70 +65,9 @@ fn extrapolated<T: Value>(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condi
     leave_value(r);
     Box::new(Calculated("extrapolatedCalculated"))
 }
-fn flow_rate_inlet(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
-    let extrapolates = r.opt_switch("extrapolateProfile", false);
-    Box::new(FlowRateInlet { rate: FlowRate::read(r, c, "rhoInlet"), extrapolates })
-}
-fn flow_rate_outlet(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
-    Box::new(FlowRateOutlet { rate: FlowRate::read(r, c, "rhoOutlet") })
-}
-fn local_fluidity(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
-    leave_value(r);
-    Box::new(LocalFluidity)
-}
 fn no_slip(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
     leave_value(r);
     Box::new(FixedValue::named("noSlip", [0.0; 3]))
-}
-fn coulomb_friction(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
-    leave_value(r);
-    let mu = r.non_negative("mu", Dims::NONE);
-    let wall_velocity = r.vector("wallVelocity", c.dims);
-    Box::new(CoulombFriction { mu, wall_velocity, n_inner: c.n_inner })
-}
-fn rotating_wall(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
-    leave_value(r);
-    let origin = r.vector("origin", Dims::LENGTH);
-    let axis = r.vector("axis", Dims::NONE);
-    if norm(axis) == 0.0 {
-        r.error_at_key("axis", "the axis of rotation has no direction", "zero vector", None);
-    }
-    let omega = TimeFunction::read(r, "omega", Dims::RATE, c.case);
-    Box::new(RotatingWall { origin, axis: unit(axis), omega })
-}
-fn wave_alpha(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
-    leave_wave(r);
-    Box::new(WaveAlpha { source: c.wave.map(|w| w.source()) })
-}
-fn wave_velocity(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
-    leave_wave(r);
-    Box::new(WaveVelocity { source: c.wave.map(|w| w.source()) })
-}
-/// What waves are is in `constant/waveProperties`, whatever the condition's name for that is.
-fn leave_wave(r: &Reader<'_>) {
-    leave_value(r);
-    if r.opt_word("waveDictName", "waveProperties") != "waveProperties" {
-        let message = "waves are read from `constant/waveProperties` only";
-        r.error_at_key("waveDictName", message, "another file", None);
-    }
-}
-fn variable_height(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
-    leave_value(r);
-    r.ignore("phi");
-    let lower = r.in_range("lowerBound", Dims::NONE, 0.0..=1.0);
-    let upper = r.in_range("upperBound", Dims::NONE, 0.0..=1.0);
-    if lower > upper {
-        let message = "the lower bound is above the upper one";
-        r.error_at_key("lowerBound", message, "above `upperBound`", None);
-    }
-    Box::new(VariableHeightFlowRate { lower, upper })
-}
-fn variable_height_inlet(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
-    leave_value(r);
-    // The name of the volume fraction, of which there is one.
-    r.ignore("alpha");
-    let rate = TimeFunction::read(r, "flowRate", Dims::VOLUME_FLUX, c.case);
-    Box::new(VariableHeightFlowRateInlet { rate, n_inner: c.n_inner })
 }
 
 /// Every condition, by its OpenFOAM name.
@@ -152,6 +75,8 @@ pub const ALL: &[Entry] = &[
     Entry {
         name: "fixedValue",
         summary: "Dirichlet: the value at the face is given",
+        formula: "phi_f = value",
+        keys: &[("value", "units of the field, `uniform` or one a face")],
         reference: "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 4",
         scalar: Some(fixed_value),
         vector: Some(fixed_value),
@@ -159,6 +84,8 @@ pub const ALL: &[Entry] = &[
     Entry {
         name: "zeroGradient",
         summary: "Neumann: the face takes the value of the cell",
+        formula: "phi_f = phi_P",
+        keys: &[],
         reference: "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 4",
         scalar: Some(zero_gradient),
         vector: Some(zero_gradient),
@@ -166,6 +93,8 @@ pub const ALL: &[Entry] = &[
     Entry {
         name: "fixedGradient",
         summary: "Neumann: the outward normal gradient is given",
+        formula: "phi_f = phi_P + gradient h",
+        keys: &[("gradient", "units of the field a metre, outwards, `uniform` or one a face")],
         reference: "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 4",
         scalar: Some(fixed_gradient),
         vector: Some(fixed_gradient),
@@ -173,6 +102,8 @@ pub const ALL: &[Entry] = &[
     Entry {
         name: "inletOutlet",
         summary: "zero gradient where the flow leaves, a given value where it enters",
+        formula: "phi_f = inletValue where flux < 0, else phi_P",
+        keys: &[("inletValue", "units of the field, `uniform` or one a face")],
         reference: "H. Jasak, PhD thesis, Imperial College 1996, ch. 3.3",
         scalar: Some(inlet_outlet),
         vector: Some(inlet_outlet),
@@ -194,6 +125,8 @@ pub const ALL: &[Entry] = &[
     Entry {
         name: "calculated",
         summary: "of a value that follows from others; of a field that is solved for, zero gradient",
+        formula: "phi_f = phi_P",
+        keys: &[],
         reference: "OpenFOAM user guide, boundary conditions",
         scalar: Some(calculated),
         vector: Some(calculated),
@@ -201,6 +134,8 @@ pub const ALL: &[Entry] = &[
     Entry {
         name: "extrapolatedCalculated",
         summary: "zero gradient under another name",
+        formula: "phi_f = phi_P",
+        keys: &[],
         reference: "OpenFOAM user guide, boundary conditions",
         scalar: Some(extrapolated),
         vector: Some(extrapolated),
@@ -208,24 +143,14 @@ pub const ALL: &[Entry] = &[
     Entry {
         name: "slip",
         summary: "no flow through the wall and no traction along it",
+        formula: "U_f = U_P - (U_P . n) n; of a scalar phi_f = phi_P",
+        keys: &[],
         reference: "J. H. Ferziger, M. Peric, Computational Methods for Fluid Dynamics, ch. 9",
         scalar: Some(slip),
         vector: Some(slip),
     },
-    Entry {
-        name: "prghPressure",
-        summary: "the pressure p is given; p_rgh = p - rho G.x follows",
-        reference: "OpenFOAM user guide, boundary conditions",
-        scalar: Some(prgh_pressure),
-        vector: None,
-    },
-    Entry {
-        name: "fixedFluxPressure",
-        summary: "the normal gradient of pressure that makes the flux match the velocity condition",
-        reference: "P. M. Gresho, R. L. Sani, Int. J. Numer. Meth. Fluids 7 (1987) 1111",
-        scalar: Some(fixed_flux_pressure),
-        vector: None,
-    },
+    pressure::PRGH,
+    pressure::FIXED_FLUX,
     total_pressure::TOTAL,
     total_pressure::UNIFORM,
     total_pressure::ROTATING,
@@ -233,21 +158,8 @@ pub const ALL: &[Entry] = &[
     hydrostatic::OF_PHASE,
     freestream::PRESSURE,
     total_pressure::OF_PRESSURE,
-    Entry {
-        name: "constantAlphaContactAngle",
-        summary: "of a volume fraction: the interface meets the wall at the angle theta0 (degrees, \
-                  through the first fluid)",
-        reference: "J. U. Brackbill, D. B. Kothe, C. Zemach, J. Comput. Phys. 100 (1992) 335",
-        scalar: Some(contact_angle),
-        vector: None,
-    },
-    Entry {
-        name: "localFluidity",
-        summary: "of the fluidity: a wall where grains flow as the local law says, g = g_loc",
-        reference: "D. L. Henann, K. Kamrin, PNAS 110 (2013) 6730, supporting information",
-        scalar: Some(local_fluidity),
-        vector: None,
-    },
+    contact_angle::ENTRY,
+    local_fluidity::ENTRY,
     pressure_inlet::OUTLET,
     pressure_inlet::NORMAL,
     pressure_inlet::UNIFORM,
@@ -263,57 +175,17 @@ pub const ALL: &[Entry] = &[
     swirl::CYLINDRICAL,
     swirl::BY_RADIUS,
     swirl::FLOW_RATE,
-    Entry {
-        name: "flowRateInletVelocity",
-        summary: "inflow of a given volume (or mass) per second, a function of time: the same speed \
-                  along the normal everywhere, or with extrapolateProfile as it arrives",
-        reference: "OpenFOAM user guide, boundary conditions",
-        scalar: None,
-        vector: Some(flow_rate_inlet),
-    },
-    Entry {
-        name: "flowRateOutletVelocity",
-        summary: "outflow of a given volume (or mass) per second with the profile that arrives, a \
-                  function of time",
-        reference: "OpenFOAM user guide, boundary conditions",
-        scalar: None,
-        vector: Some(flow_rate_outlet),
-    },
-    Entry {
-        name: "variableHeightFlowRate",
-        summary: "of a volume fraction: the value of the cell, kept within bounds, so that the level at \
-                  the patch is that of the water behind it",
-        reference: "OpenFOAM user guide, boundary conditions",
-        scalar: Some(variable_height),
-        vector: None,
-    },
-    Entry {
-        name: "variableHeightFlowRateInletVelocity",
-        summary: "inflow of a given volume per second through the part of the patch that the first \
-                  fluid fills, a function of time",
-        reference: "OpenFOAM user guide, boundary conditions",
-        scalar: None,
-        vector: Some(variable_height_inlet),
-    },
-    Entry {
-        name: "waveAlpha",
-        summary: "of a volume fraction: the share of each face under the surface of the wave that \
-                  `constant/waveProperties` gives for the patch",
-        reference: "P. Higuera, J. L. Lara, I. J. Losada, Coastal Eng. 71 (2013) 102",
-        scalar: Some(wave_alpha),
-        vector: None,
-    },
-    Entry {
-        name: "waveVelocity",
-        summary: "the velocity of the wave that `constant/waveProperties` gives for the patch, and \
-                  absorption of what arrives",
-        reference: "P. Higuera, J. L. Lara, I. J. Losada, Coastal Eng. 71 (2013) 102",
-        scalar: None,
-        vector: Some(wave_velocity),
-    },
+    flow_rate::INLET,
+    flow_rate::OUTLET,
+    variable_height::FRACTION,
+    variable_height::VELOCITY,
+    wave::ALPHA,
+    wave::VELOCITY,
     Entry {
         name: "noSlip",
         summary: "the wall stands and holds what touches it: U = 0",
+        formula: "U_f = 0",
+        keys: &[],
         reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, 1967, ch. 3.3",
         scalar: None,
         vector: Some(no_slip),
@@ -322,21 +194,8 @@ pub const ALL: &[Entry] = &[
     moving_wall::MOVING,
     normal_part::PARTIAL_SLIP,
     normal_part::FIXED_NORMAL_SLIP,
-    Entry {
-        name: "coulombFriction",
-        summary: "a wall that holds up to the traction mu P; beyond it the material slides and \
-                  mu P drags it (no regularisation)",
-        reference: "G. Duvaut, J.-L. Lions, Inequalities in Mechanics and Physics, 1976, ch. 3.5",
-        scalar: None,
-        vector: Some(coulomb_friction),
-    },
-    Entry {
-        name: "rotatingWallVelocity",
-        summary: "no slip on a wall that turns about an axis, omega a function of time",
-        reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, 1967, ch. 4.5",
-        scalar: None,
-        vector: Some(rotating_wall),
-    },
+    coulomb_friction::ENTRY,
+    rotating::ENTRY,
 ];
 
 /// The condition that a patch kind dictates, if it does.

@@ -1,9 +1,11 @@
 //! A wall that turns about an axis.
 
 use super::basic::text;
-use super::{Condition, PatchClosure, PatchView};
+use super::read::leave_value;
+use super::{Condition, Entry, PatchClosure, PatchContext, PatchView};
 use crate::time_function::TimeFunction;
-use granflow_base::{Vec3, cross, scale, sub};
+use granflow_base::{Dims, Vec3, cross, norm, scale, sub, unit};
+use granflow_dict::Reader;
 
 /// Velocity of a solid body turning about an axis: `omega(t) axis x (x - origin)`, without slip.
 pub struct RotatingWall {
@@ -36,4 +38,29 @@ impl Condition<Vec3> for RotatingWall {
         out.extend(self.omega.entries("omega"));
         out
     }
+}
+
+pub(super) const ENTRY: Entry = Entry {
+    name: "rotatingWallVelocity",
+    summary: "no slip on a wall that turns about an axis, omega a function of time",
+    formula: "U_f = V - (V . n) n, V = omega(t) a x (x_f - origin), a = axis/|axis|",
+    keys: &[
+        ("origin", "a point of the axis, m"),
+        ("axis", "a vector of any length"),
+        ("omega", "rad/s, a function of time"),
+    ],
+    reference: "G. K. Batchelor, An Introduction to Fluid Dynamics, 1967, ch. 4.5",
+    scalar: None,
+    vector: Some(rotating_wall),
+};
+
+fn rotating_wall(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    leave_value(r);
+    let origin = r.vector("origin", Dims::LENGTH);
+    let axis = r.vector("axis", Dims::NONE);
+    if norm(axis) == 0.0 {
+        r.error_at_key("axis", "the axis of rotation has no direction", "zero vector", None);
+    }
+    let omega = TimeFunction::read(r, "omega", Dims::RATE, c.case);
+    Box::new(RotatingWall { origin, axis: unit(axis), omega })
 }

@@ -39,6 +39,11 @@ pub(super) const ENTRY: Entry = Entry {
     name: "scaledFixedValue",
     summary: "Dirichlet: the values of the condition `refValue { type fixedValue; ... }` times `scale`, a \
               function of time",
+    formula: "phi_f = scale(t) phi_f of refValue",
+    keys: &[
+        ("scale", "a function of time"),
+        ("refValue", "a dictionary: a condition that gives values"),
+    ],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: Some(|r, c| read(r, c, super::read_scalar)),
     vector: Some(|r, c| read(r, c, super::read_vector)),

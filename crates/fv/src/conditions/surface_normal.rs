@@ -56,6 +56,11 @@ impl Condition<Vec3> for SurfaceNormal {
 pub(super) const GIVEN: Entry = Entry {
     name: "surfaceNormalFixedValue",
     summary: "Dirichlet: a given speed along the outward normal (inflow is negative)",
+    formula: "U_f = ramp(t) refValue n",
+    keys: &[
+        ("refValue", "m/s, positive outwards, `uniform` or one a face"),
+        ("ramp", "a function of time, default 1"),
+    ],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: None,
     vector: Some(|r, c| read(r, c, Speed::Given(values(r, "refValue", c.n_faces)))),
@@ -63,6 +68,11 @@ pub(super) const GIVEN: Entry = Entry {
 pub(super) const UNIFORM: Entry = Entry {
     name: "uniformNormalFixedValue",
     summary: "Dirichlet: one speed along the outward normal, a function of time (inflow is negative)",
+    formula: "U_f = ramp(t) uniformValue(t) n",
+    keys: &[
+        ("uniformValue", "m/s, positive outwards, a function of time"),
+        ("ramp", "a function of time, default 1"),
+    ],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: None,
     vector: Some(|r, c| {

@@ -103,6 +103,15 @@ pub(super) const CYLINDRICAL: Entry = Entry {
     name: "cylindricalInletVelocity",
     summary: "Dirichlet: speeds along an axis and away from it and revolutions per minute about it, \
               functions of time",
+    formula: "U_f = axialVelocity a + radialVelocity r/|r| + (2 pi rpm/60) a x r; a = \
+              axis/|axis|, r = d - (d . a) a, d = x_f - origin",
+    keys: &[
+        ("origin", "a point of the axis, m"),
+        ("axis", "a vector of any length"),
+        ("axialVelocity", "m/s, a function of time"),
+        ("radialVelocity", "m/s, a function of time"),
+        ("rpm", "revolutions a minute, a function of time"),
+    ],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: None,
     vector: Some(|r, c| {
@@ -117,6 +126,19 @@ pub(super) const BY_RADIUS: Entry = Entry {
     name: "swirlInletVelocity",
     summary: "Dirichlet: speeds along an axis, away from it and around it, functions of the distance \
               from it",
+    formula: "U_f = axialVelocity(|r|) a + radialVelocity(|r|) e + tangentialVelocity(|r|) a x \
+              e; a = axis/|axis|, r = d - (d . a) a, d = x_f - origin, e = r/|r|",
+    keys: &[
+        ("origin", "a point of the axis, m"),
+        ("axis", "a vector of any length"),
+        (
+            "axialVelocity",
+            "m/s, written as a function of time is, of the distance from the \
+                           axis in m",
+        ),
+        ("radialVelocity", "likewise"),
+        ("tangentialVelocity", "likewise"),
+    ],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: None,
     vector: Some(|r, c| {
@@ -187,6 +209,14 @@ pub(super) const FLOW_RATE: Entry = Entry {
     name: "swirlFlowRateInletVelocity",
     summary: "inflow of a given volume per second that turns, rpm revolutions per minute about the \
               middle of the patch (or origin, axis), functions of time",
+    formula: "U_f = -(Q/A) n + (2 pi rpm/60) a x (x_f - origin); Q = flowRate(t), A = sum |S|, \
+              a = axis/|axis|",
+    keys: &[
+        ("flowRate", "m3/s, a function of time"),
+        ("rpm", "revolutions a minute, a function of time"),
+        ("origin", "m, default the middle of the patch"),
+        ("axis", "default the mean of -n"),
+    ],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: None,
     vector: Some(flow_rate),

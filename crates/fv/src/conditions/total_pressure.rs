@@ -108,6 +108,8 @@ const REFERENCE: &str = "G. K. Batchelor, An Introduction to Fluid Dynamics, 196
 pub(super) const TOTAL: Entry = Entry {
     name: "totalPressure",
     summary: "the pressure less rho U^2/2 where the flow enters, as it is where it leaves",
+    formula: "p_f = p0 - rho |U_f|^2/2 where flux < 0, else p0",
+    keys: &[("p0", "Pa (m2/s2 of a kinematic pressure), `uniform` or one a face")],
     reference: REFERENCE,
     scalar: Some(|r, c| {
         let p0 = Total::Given(field_values(r, "p0", c));
@@ -118,6 +120,9 @@ pub(super) const TOTAL: Entry = Entry {
 pub(super) const OF_PRESSURE: Entry = Entry {
     name: "prghTotalPressure",
     summary: "totalPressure of p where the field is p_rgh = p - rho G.x",
+    formula: "p_rgh,f = p0 - rho_P g . x_f - rho |U_f|^2/2 where flux < 0, else without the \
+              last term",
+    keys: &[("p0", "Pa, `uniform` or one a face")],
     reference: REFERENCE,
     scalar: Some(|r, c| {
         let p0 = Total::Given(field_values(r, "p0", c));
@@ -128,6 +133,8 @@ pub(super) const OF_PRESSURE: Entry = Entry {
 pub(super) const UNIFORM: Entry = Entry {
     name: "uniformTotalPressure",
     summary: "totalPressure with one value for the patch, a function of time",
+    formula: "p_f = p0(t) - rho |U_f|^2/2 where flux < 0, else p0(t)",
+    keys: &[("p0", "Pa (m2/s2 of a kinematic pressure), a function of time")],
     reference: REFERENCE,
     scalar: Some(|r, c| {
         let p0 = Total::Uniform(TimeFunction::read(r, "p0", c.dims, c.case).times(c.factor));
@@ -138,6 +145,11 @@ pub(super) const UNIFORM: Entry = Entry {
 pub(super) const ROTATING: Entry = Entry {
     name: "rotatingTotalPressure",
     summary: "totalPressure in a frame that turns about the origin with omega (vector, rad/s)",
+    formula: "p_f = p0 - rho |U_f + omega x x_f|^2/2 where flux < 0, else p0",
+    keys: &[
+        ("p0", "Pa (m2/s2 of a kinematic pressure), `uniform` or one a face"),
+        ("omega", "a vector, rad/s"),
+    ],
     reference: REFERENCE,
     scalar: Some(|r, c| {
         let p0 = Total::Given(field_values(r, "p0", c));

@@ -29,6 +29,8 @@ impl<T: Value> Condition<T> for UniformFixedValue<T> {
 pub(super) const FIXED_VALUE: Entry = Entry {
     name: "uniformFixedValue",
     summary: "Dirichlet: one value for the patch, a function of time",
+    formula: "phi_f = uniformValue(t)",
+    keys: &[("uniformValue", "units of the field, a function of time")],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: Some(fixed_value),
     vector: Some(fixed_value),
@@ -63,6 +65,8 @@ impl<T: Value> Condition<T> for UniformFixedGradient<T> {
 pub(super) const FIXED_GRADIENT: Entry = Entry {
     name: "uniformFixedGradient",
     summary: "Neumann: one outward normal gradient for the patch, a function of time",
+    formula: "phi_f = phi_P + uniformGradient(t) h",
+    keys: &[("uniformGradient", "units of the field a metre, outwards, a function of time")],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: Some(fixed_gradient),
     vector: Some(fixed_gradient),
@@ -100,6 +104,8 @@ impl<T: Value> Condition<T> for UniformInletOutlet<T> {
 pub(super) const INLET_OUTLET: Entry = Entry {
     name: "uniformInletOutlet",
     summary: "zero gradient where the flow leaves, where it enters one value, a function of time",
+    formula: "phi_f = uniformInletValue(t) where flux < 0, else phi_P",
+    keys: &[("uniformInletValue", "units of the field, a function of time")],
     reference: "OpenFOAM user guide, boundary conditions",
     scalar: Some(inlet_outlet),
     vector: Some(inlet_outlet),

@@ -1,9 +1,10 @@
 //! Inflow of a given volume per second through the part of a patch that fluid 1 fills.
 
-use super::{Condition, PatchClosure, PatchView};
+use super::read::leave_value;
+use super::{Condition, Entry, PatchClosure, PatchContext, PatchView};
 use crate::time_function::TimeFunction;
-use granflow_base::{Vec3, norm, scale};
-use granflow_dict::number;
+use granflow_base::{Dims, Vec3, norm, scale};
+use granflow_dict::{Reader, number};
 
 /// Of a volume fraction: the cell's value, kept within bounds. The level at the patch is that of
 /// the water behind it.
@@ -74,6 +75,49 @@ impl Condition<Vec3> for VariableHeightFlowRateInlet {
     fn entries(&self) -> Vec<(String, String)> {
         self.rate.entries("flowRate")
     }
+}
+
+pub(super) const FRACTION: Entry = Entry {
+    name: "variableHeightFlowRate",
+    summary: "of a volume fraction: the value of the cell, kept within bounds, so that the level at \
+              the patch is that of the water behind it",
+    formula: "alpha_f = min(max(alpha_P, lowerBound), upperBound)",
+    keys: &[("lowerBound", "0 to 1"), ("upperBound", "0 to 1")],
+    reference: "OpenFOAM user guide, boundary conditions",
+    scalar: Some(variable_height),
+    vector: None,
+};
+pub(super) const VELOCITY: Entry = Entry {
+    name: "variableHeightFlowRateInletVelocity",
+    summary: "inflow of a given volume per second through the part of the patch that the first \
+              fluid fills, a function of time",
+    formula: "U_f = -alpha_f flowRate(t)/(sum alpha_f |S|) n",
+    keys: &[
+        ("flowRate", "m3/s, a function of time"),
+        ("alpha", "name of the fraction, of which there is one"),
+    ],
+    reference: "OpenFOAM user guide, boundary conditions",
+    scalar: None,
+    vector: Some(variable_height_inlet),
+};
+
+fn variable_height(r: &Reader<'_>, _: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
+    leave_value(r);
+    r.ignore("phi");
+    let lower = r.in_range("lowerBound", Dims::NONE, 0.0..=1.0);
+    let upper = r.in_range("upperBound", Dims::NONE, 0.0..=1.0);
+    if lower > upper {
+        let message = "the lower bound is above the upper one";
+        r.error_at_key("lowerBound", message, "above `upperBound`", None);
+    }
+    Box::new(VariableHeightFlowRate { lower, upper })
+}
+fn variable_height_inlet(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    leave_value(r);
+    // The name of the volume fraction, of which there is one.
+    r.ignore("alpha");
+    let rate = TimeFunction::read(r, "flowRate", Dims::VOLUME_FLUX, c.case);
+    Box::new(VariableHeightFlowRateInlet { rate, n_inner: c.n_inner })
 }
 
 #[cfg(test)]

@@ -1,8 +1,10 @@
 //! Waves that come in through a patch, and those that are let out.
 
-use super::{Condition, PatchClosure, PatchView};
+use super::read::leave_value;
+use super::{Condition, Entry, PatchClosure, PatchContext, PatchView};
 use crate::waves::Source;
 use granflow_base::{Vec3, add, norm};
+use granflow_dict::Reader;
 
 /// Of a volume fraction: the share of each face under the surface of the wave; the cell's value
 /// where nothing comes in.
@@ -82,5 +84,45 @@ impl Condition<Vec3> for WaveVelocity {
     }
     fn entries(&self) -> Vec<(String, String)> {
         Vec::new()
+    }
+}
+
+pub(super) const ALPHA: Entry = Entry {
+    name: "waveAlpha",
+    summary: "of a volume fraction: the share of each face under the surface of the wave that \
+              `constant/waveProperties` gives for the patch",
+    formula: "alpha_f = share of the face below z = depth + eta(x, y, t)",
+    keys: &[],
+    reference: "P. Higuera, J. L. Lara, I. J. Losada, Coastal Eng. 71 (2013) 102",
+    scalar: Some(wave_alpha),
+    vector: None,
+};
+pub(super) const VELOCITY: Entry = Entry {
+    name: "waveVelocity",
+    summary: "the velocity of the wave that `constant/waveProperties` gives for the patch, and \
+              absorption of what arrives",
+    formula: "U_f = w u(x, y, z, t), u: the wave's velocity in the middle of the wet part of the face, w: that \
+              part; with activeAbsorption + (h_wave - h) sqrt(g/h) inwards, h: depth of the water in front \
+              of the paddle",
+    keys: &[],
+    reference: "P. Higuera, J. L. Lara, I. J. Losada, Coastal Eng. 71 (2013) 102",
+    scalar: None,
+    vector: Some(wave_velocity),
+};
+
+fn wave_alpha(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
+    leave_wave(r);
+    Box::new(WaveAlpha { source: c.wave.map(|w| w.source()) })
+}
+fn wave_velocity(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
+    leave_wave(r);
+    Box::new(WaveVelocity { source: c.wave.map(|w| w.source()) })
+}
+/// What waves are is in `constant/waveProperties`, whatever the condition's name for that is.
+fn leave_wave(r: &Reader<'_>) {
+    leave_value(r);
+    if r.opt_word("waveDictName", "waveProperties") != "waveProperties" {
+        let message = "waves are read from `constant/waveProperties` only";
+        r.error_at_key("waveDictName", message, "another file", None);
     }
 }

@@ -7,6 +7,7 @@ use granflow_base::Vec3;
 pub(super) const ENTRY: Entry = Entry {
     name: "Boussinesq",
     summary: "solitary wave of first order: eta = H sech^2(sqrt(3 H/(4 h^3)) x)",
+    formula: "eta = H sech^2(sqrt(3 H/(4 h^3)) X), X = x - c t, c = sqrt(g (h + H))",
     reference: "J. Boussinesq, C. R. Acad. Sci. Paris 72 (1871) 755; J. J. Lee, J. E. Skjelbreia, \
                 F. Raichlen, J. Waterw. Port Coast. Ocean Div. 108 (1982) 200",
     ramped: false,

@@ -10,6 +10,8 @@ use std::f64::consts::{PI, TAU};
 pub(super) const ENTRY: Entry = Entry {
     name: "cnoidal",
     summary: "long periodic waves: sharp crests far apart, no net flow of water",
+    formula: "eta = ((1 - E/K)/m - 1) H + H cn^2(K theta/pi, m), L = c T; K, E: complete \
+              elliptic integrals of m",
     reference: "I. A. Svendsen, Introduction to Nearshore Hydrodynamics, 2006, ch. 9",
     ramped: true,
     read: |r, context| Some(Box::new(Cnoidal::read(r, context))),

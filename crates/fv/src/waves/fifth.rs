@@ -10,6 +10,8 @@ pub(super) const ENTRY: Entry = Entry {
     name: "StokesV",
     summary: "waves of fifth order in their steepness, up to about half of the height at which \
               waves break",
+    formula: "k eta = sum_{n=1..5} B_n(k h, lambda) cos(n theta), lambda and k from H and T by \
+              the relation of dispersion of fifth order",
     reference: "L. Skjelbreia, J. Hendrickson, Proc. 7th Coastal Eng. Conf. (1960) 184; sign of a \
                 term in C2 after J. D. Fenton, J. Waterw. Port Coast. Ocean Eng. 111 (1985) 216",
     ramped: true,

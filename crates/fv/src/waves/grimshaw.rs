@@ -7,6 +7,8 @@ use granflow_base::Vec3;
 pub(super) const ENTRY: Entry = Entry {
     name: "Grimshaw",
     summary: "solitary wave of third order",
+    formula: "eta/h = e s - 3/4 e^2 s t^2 + e^3 (5/8 s t^2 - 101/80 s^2 t^2), e = H/h, s = \
+              sech^2(a X/h), t = tanh(a X/h), a = sqrt(3 e/4) (1 - 5/8 e + 71/128 e^2)",
     reference: "R. Grimshaw, J. Fluid Mech. 46 (1971) 611",
     ramped: false,
     read: |r, context| Some(Box::new(Grimshaw(Crest::read(r, context)))),

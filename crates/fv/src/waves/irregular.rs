@@ -10,6 +10,8 @@ pub(super) const ENTRY: Entry = Entry {
     name: "irregularMultiDirectional",
     summary: "the sum of small waves given one by one: `wavePeriods`, `waveHeights`, `wavePhases` \
               and `waveDirs` (degrees), each a list of lists",
+    formula: "eta = sum_i (H_i/2) cos(k_i (x cos a_i + y sin a_i) - omega_i t + phi_i), \
+              omega_i^2 = g k_i tanh(k_i h)",
     reference: "R. G. Dean, R. A. Dalrymple, Water Wave Mechanics for Engineers and Scientists, \
                 1991, ch. 7",
     ramped: true,

@@ -8,6 +8,8 @@ use granflow_dict::Reader;
 pub(super) const ENTRY: Entry = Entry {
     name: "McCowan",
     summary: "solitary wave with an exact profile of its flow",
+    formula: "eta/h = (N/M) sin(M (1 + eta/h))/(cos(M (1 + eta/h)) + cosh(M X/h)); H/h = (N/M) \
+              tan(M (1 + H/h)/2), N = 2/3 sin^2(M (1 + 2/3 H/h))",
     reference: "J. McCowan, Phil. Mag. 32 (1891) 45",
     ramped: false,
     read: |r, context| {

@@ -63,6 +63,9 @@ pub struct Entry {
     pub name: &'static str,
     /// One line for lists and the book.
     pub summary: &'static str,
+    /// The surface it makes: `H` the height from trough to crest, `h` the depth, `a` the angle, `X` the
+    /// distance from the crest, `theta` the phase.
+    pub formula: &'static str,
     /// Where the theory comes from.
     pub reference: &'static str,
     /// Whether the wave grows over `rampTime`.

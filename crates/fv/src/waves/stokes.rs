@@ -24,6 +24,8 @@ pub(super) struct Stokes {
 pub(super) const FIRST: Entry = Entry {
     name: "StokesI",
     summary: "small waves in water of any depth",
+    formula: "eta = (H/2) cos(theta), theta = k (x cos a + y sin a) - omega t + phase, omega^2 \
+              = g k tanh(k h)",
     reference: "R. G. Dean, R. A. Dalrymple, Water Wave Mechanics for Engineers and Scientists, \
                 1991, ch. 3",
     ramped: true,
@@ -33,6 +35,8 @@ pub(super) const FIRST: Entry = Entry {
 pub(super) const SECOND: Entry = Entry {
     name: "StokesII",
     summary: "waves of second order in their steepness: higher crests, flatter troughs",
+    formula: "eta = a cos(theta) + (k a^2/4) c (3 c^2 - 1) cos(2 theta), a = H/2, c = coth(k \
+              h)",
     reference: "R. G. Dean, R. A. Dalrymple, Water Wave Mechanics for Engineers and Scientists, \
                 1991, ch. 11",
     ramped: true,

@@ -10,6 +10,8 @@ pub(super) const ENTRY: Entry = Entry {
     name: "streamFunction",
     summary: "periodic waves of any height by Fourier coefficients of the stream function, `Bjs`, \
               and of the surface, `Ejs`, from another program",
+    formula: "k eta = sum_j Ejs_j cos(j theta), u = omega/k - uMean + sum_j j Bjs_j sqrt(g/k) \
+              cosh(j k z)/cosh(j k h) cos(j theta)",
     reference: "M. M. Rienecker, J. D. Fenton, J. Fluid Mech. 104 (1981) 119; J. D. Fenton, \
                 Computers and Geosciences 14 (1988) 357",
     ramped: true,

@@ -1,5 +1,6 @@
 //! Is a mesh sound, and how good is it?
 
+mod figures;
 mod quality;
 mod report;
 mod shape;
@@ -34,6 +35,7 @@ pub fn check(poly: &PolyMesh) -> CheckReport {
     topology::check(poly, &g, &links, &mut report);
     quality::check(poly, &g, &links, &mut report);
     shape::check(poly, &g, &links, &mut report);
+    figures::check(poly, &g, &links, &mut report);
     if let Err(e) = Mesh::new(poly) {
         let remedy = match e {
             // Already reported with all their places.

@@ -116,7 +116,7 @@ fn faces(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
     let (mut null, mut warped) = (Worst::new(), Worst::new());
     let (mut backward, mut steep, mut skewed, mut jump) =
         (Worst::new(), Worst::new(), Worst::new(), Worst::new());
-    let mut total_angle = 0.0;
+    let mut total_cosine = 0.0;
     for f in 0..poly.n_faces() {
         let (area, centre) = (g.area[f], g.face_centre[f]);
         let (mag, normal) = (norm(area), unit(area));
@@ -143,7 +143,7 @@ fn faces(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
         let across = dot(normal, delta);
         if f < n_inner {
             let angle = (across / norm(delta)).clamp(-1.0, 1.0).acos().to_degrees();
-            total_angle += angle;
+            total_cosine += across / norm(delta);
             q.max_nonorth_deg = q.max_nonorth_deg.max(angle);
             if angle.is_nan() || angle >= 90.0 {
                 backward.add(place(f, angle), &poly.cells_of(f));
@@ -172,7 +172,8 @@ fn faces(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
             }
         }
     }
-    q.mean_nonorth_deg = total_angle / n_inner.max(1) as f64;
+    let cosine = if n_inner == 0 { 1.0 } else { total_cosine / n_inner as f64 };
+    q.mean_nonorth_deg = cosine.clamp(-1.0, 1.0).acos().to_degrees();
     null.report(
         report,
         "faceArea",

@@ -68,7 +68,7 @@ pub struct Quality {
     pub area: [f64; 2],
     /// Greatest angle between a face normal and the line of cell centres, degrees.
     pub max_nonorth_deg: f64,
-    /// Mean of that angle over the inner faces, degrees.
+    /// Angle of the mean cosine over the inner faces, degrees.
     pub mean_nonorth_deg: f64,
     /// Greatest distance of a face centre from the line of cell centres, relative to the size of
     /// the face.
@@ -81,6 +81,17 @@ pub struct Quality {
     pub max_openness: f64,
     /// Size of the sum of the boundary's area vectors, relative to its surface; 0 when closed.
     pub boundary_openness: f64,
+    /// Shortest and longest edge, m.
+    pub edge: [f64; 2],
+    /// Least and mean area of a face over that of its triangles; 1 where it is plane.
+    pub flatness: [f64; 2],
+    /// Least and mean determinant of the faces between a cell and others; 1 of a cube among cubes, in
+    /// two dimensions 0.5 of a square among squares.
+    pub determinant: [f64; 2],
+    /// Least and mean share of the nearer centre in the distance of two centres across their face.
+    pub weight: [f64; 2],
+    /// Least and mean ratio of the volumes of neighbours, the smaller over the larger.
+    pub volume_ratio: [f64; 2],
 }
 
 /// How bad a finding is.
@@ -214,7 +225,14 @@ impl CheckReport {
         writeln!(f, "non-orthogonality  at most {max:.1}, mean {mean:.1} degrees")?;
         writeln!(f, "skewness           at most {:.2}", q.max_skewness)?;
         writeln!(f, "aspect ratio       at most {:.1}", q.max_aspect)?;
+        let spread =
+            |[least, mean]: [f64; 2]| format!("at least {}, mean {}", short(least), short(mean));
         writeln!(f, "volume ratio       at most {:.2} between neighbours", q.max_volume_ratio)?;
+        writeln!(f, "                   smaller over larger {}", spread(q.volume_ratio))?;
+        writeln!(f, "face weight        {}", spread(q.weight))?;
+        writeln!(f, "edge length        {} m", range(q.edge))?;
+        writeln!(f, "flatness           {}", spread(q.flatness))?;
+        writeln!(f, "determinant        {}", spread(q.determinant))?;
         for p in &self.patches {
             let (name, kind, n, area) = (&p.name, p.kind, p.faces, short(p.area));
             writeln!(f, "patch              {name} ({kind}): {n} faces, {area} m2")?;

@@ -6,6 +6,7 @@ use granflow_case::Case;
 use granflow_case::config::{GradientKind, LinearSolve};
 use granflow_case::files::exists;
 use granflow_flow::{NormalDerivative, TimeScheme};
+use granflow_fv::GradientLimiter;
 
 /// Whether a notice is about schemes or solvers.
 pub(super) fn is_of(notice: &str) -> bool {
@@ -42,6 +43,10 @@ pub(super) fn say(case: &Case, mapped: &[String], page: &mut Page) {
         GradientKind::LeastSquares => "leastSquares",
     };
     let mut text = format!("time {time}, gradients {gradient}, U by {}", schemes.convection.name());
+    if let Some(limiter) = schemes.limiter {
+        let word = GradientLimiter::NAMES.iter().find(|n| n.1 == limiter.limit).map_or("", |n| n.0);
+        text += &format!(" with grad(U) by {word} {}", number(limiter.k));
+    }
     if case.config.transport.second.is_some() {
         text += &match case.config.control.application.as_str() {
             "interIsoFoam" => ", alpha by isoAdvector".to_owned(),

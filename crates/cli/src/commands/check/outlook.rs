@@ -3,7 +3,7 @@
 use granflow_base::{Dims, Vec3, dot, norm, scale, unit};
 use granflow_case::{Case, boundary};
 use granflow_fv::{Surroundings, Unknown};
-use granflow_mesh::Mesh;
+use granflow_mesh::{Mesh, PatchKind};
 use granflow_par::Exec;
 
 /// Times of a run at which conditions are looked at, so that tables against time are seen.
@@ -18,12 +18,17 @@ pub(super) struct Drive {
     pub(super) reach: f64,
     /// Width of the cells at the patch, m.
     pub(super) width: f64,
+    /// What a Reynolds number is made with: the width of a patch that fluid passes, else `reach`, m.
+    pub(super) length: f64,
 }
 
 /// What a run may meet.
 pub(super) struct Outlook {
     /// Patches that move or let fluid in.
     pub(super) drives: Vec<Drive>,
+    /// Greatest mean velocity that a source holds, m/s, and the width of the flow: twice its volume over the
+    /// area of its walls, m.
+    pub(super) held: Option<[f64; 2]>,
     /// Greatest Courant number of a step of one second at the speeds of patches and start fields, 1/s.
     pub(super) courant: f64,
     /// Least and greatest distance of neighbouring cells, m.
@@ -41,7 +46,10 @@ pub(super) struct Outlook {
 
 impl Outlook {
     pub(super) fn of(case: &Case) -> Outlook {
-        let (drives, courant) = drives(case);
+        let (drives, moving) = drives(case);
+        let held = held(case);
+        let courant = held.map_or(moving, |(_, courant)| moving.max(courant));
+        let held = held.map(|h| h.0);
         let gravity = case.config.gravity.unwrap_or_default();
         let height = height(case, gravity);
         let two = case.config.transport.second.is_some();
@@ -67,7 +75,7 @@ impl Outlook {
         });
         let in_grains = beside(|a, b| a && b);
         let at_surface = beside(|a, b| a != b);
-        Outlook { drives, courant, spacing, in_grains, at_surface, height, fall, pressure }
+        Outlook { drives, held, courant, spacing, in_grains, at_surface, height, fall, pressure }
     }
     /// Greatest Courant number of a step of one second, falls included, 1/s.
     pub(super) fn rate(&self) -> f64 {
@@ -93,17 +101,20 @@ fn drives(case: &Case) -> (Vec<Drive>, f64) {
     let mut courant: f64 =
         (0..mesh.n_cells).map(|c| cell_courant(mesh, c, u.cells.data[c])).fold(0.0, f64::max);
     let mut speeds = vec![[f64::INFINITY, 0.0_f64]; mesh.patches.len()];
+    let mut passes = vec![false; mesh.patches.len()];
     for k in 0..SAMPLES {
         let share = k as f64 / (SAMPLES - 1) as f64;
         let time = case.start.time + share * (case.end - case.start.time);
         u.update(&exec, mesh, &Surroundings { time, ..Surroundings::default() }, None);
-        for (patch, [least, most]) in mesh.patches.iter().zip(&mut speeds) {
+        let each = mesh.patches.iter().zip(&mut speeds).zip(&mut passes);
+        for ((patch, [least, most]), passes) in each {
             for f in patch.faces.clone() {
                 // Only where the velocity is given, whatever the flow does.
                 if u.closure.slope[f - mesh.n_inner] == 0.0 {
                     let v = u.closure.offset[f - mesh.n_inner];
                     let speed = norm(v);
                     *most = most.max(speed);
+                    *passes |= dot(v, mesh.area[f]).abs() > 0.1 * speed * mesh.mag_area[f];
                     if speed > 0.0 {
                         *least = least.min(speed);
                         courant = courant.max(cell_courant(mesh, mesh.owner[f] as usize, v));
@@ -113,18 +124,47 @@ fn drives(case: &Case) -> (Vec<Drive>, f64) {
         }
     }
     let total: f64 = mesh.volume[..mesh.n_cells].iter().sum();
-    let patches = mesh.patches.iter().zip(speeds).filter(|(_, s)| s[1] > 0.0);
-    let driven = patches.map(|(patch, speed)| {
+    let patches = mesh.patches.iter().zip(speeds).zip(passes).filter(|((_, s), _)| s[1] > 0.0);
+    let driven = patches.map(|((patch, speed), passes)| {
         let area: f64 = patch.faces.clone().map(|f| mesh.mag_area[f]).sum();
         let widths = patch.faces.clone().map(|f| 2.0 / mesh.inv_dist[f]);
         Drive {
             patch: patch.name.clone(),
             speed,
             reach: total / area.max(f64::MIN_POSITIVE),
+            length: match (passes, thickness(case)) {
+                (false, _) => total / area.max(f64::MIN_POSITIVE),
+                (true, Some(thickness)) => area / thickness,
+                (true, None) => area.sqrt(),
+            },
             width: widths.fold(0.0, f64::max),
         }
     });
     (driven.collect(), courant)
+}
+
+/// How thick a plane mesh is, m.
+fn thickness(case: &Case) -> Option<f64> {
+    let flat = (0..3).find(|k| !case.mesh.solved_dirs[*k])?;
+    let along = case.poly.points.iter().map(|x| x[flat]);
+    let [a, b] = along.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
+    Some(b - a)
+}
+
+/// The greatest mean velocity that is held with the width of the flow (m/s, m), and what it makes of the
+/// Courant number of a step of one second.
+fn held(case: &Case) -> Option<([f64; 2], f64)> {
+    let held = case.sources.iter().filter_map(|s| s.held());
+    let means = held.map(|m| scale(m.direction, m.mean));
+    let mean = means.max_by(|a, b| norm(*a).total_cmp(&norm(*b)))?;
+    let mesh = &case.mesh;
+    let walls = mesh.patches.iter().filter(|p| p.kind == PatchKind::Wall);
+    let area: f64 = walls.flat_map(|p| p.faces.clone()).map(|f| mesh.mag_area[f]).sum();
+    let total: f64 = mesh.volume[..mesh.n_cells].iter().sum();
+    // Without walls the whole mesh.
+    let width = if area > 0.0 { 2.0 * total / area } else { total.cbrt() };
+    let courant = (0..mesh.n_cells).map(|c| cell_courant(mesh, c, mean)).fold(0.0, f64::max);
+    Some(([norm(mean), width], courant))
 }
 
 /// Courant number of a step of one second in a cell that moves with `v`.

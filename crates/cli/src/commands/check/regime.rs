@@ -1,6 +1,6 @@
 //! Which shear rates and inertial numbers are to be expected.
 
-use super::outlook::Outlook;
+use super::outlook::{Drive, Outlook};
 use super::page::Page;
 use crate::text::number;
 use granflow_base::norm;
@@ -13,6 +13,7 @@ pub(super) fn say(case: &Case, outlook: &Outlook, page: &mut Page) {
     page.open("What to expect");
     let Some(g) = &case.config.transport.grains else {
         fluid(outlook, page);
+        reynolds(case, outlook, page);
         return;
     };
     if let Some([least, _, most]) = outlook.pressure {
@@ -33,6 +34,7 @@ pub(super) fn say(case: &Case, outlook: &Outlook, page: &mut Page) {
         return;
     };
     page.say("shear rate", format!("about {} 1/s", range(low, high)));
+    grains(case, outlook, high, page);
     let Some([a, b]) = inertial(case, outlook).filter(|i| i[1] > 0.0) else { return };
     let regime = match b {
         b if b < 1e-3 => "quasi-static: the nonlocal part decides",
@@ -71,9 +73,72 @@ fn fluid(outlook: &Outlook, page: &mut Page) {
         );
         page.say("shear rate", text);
     }
-    if outlook.drives.is_empty() && outlook.fall.is_none() {
+    if let Some([speed, _]) = outlook.held {
+        page.say("speed", format!("{} m/s on the mean, which a source holds", number(speed)));
+    }
+    if outlook.drives.is_empty() && outlook.fall.is_none() && outlook.held.is_none() {
         page.say("speed", "not known: no patch moves, and nothing falls");
     }
+}
+
+/// Speed times length over the kinematic viscosity, of what is fastest.
+fn reynolds(case: &Case, outlook: &Outlook, page: &mut Page) {
+    let named = |d: &Drive| (d.speed[1], d.length, format!("patch {}", d.patch));
+    let held = outlook.held.map(|[speed, width]| (speed, width, "the walls".to_owned()));
+    let fall =
+        outlook.fall.map(|speed| (speed, outlook.height, "the height of the fall".to_owned()));
+    let all = outlook.drives.iter().map(named).chain(held).chain(fall);
+    let Some((speed, length, of)) = all.max_by(|a, b| (a.0 * a.1).total_cmp(&(b.0 * b.1))) else {
+        return;
+    };
+    let first = &case.config.transport;
+    let second = first.second.as_ref();
+    let fluids = match second {
+        None => vec![("", first)],
+        Some(second) => {
+            vec![(second.names[0].as_str(), first), (second.names[1].as_str(), &second.transport)]
+        }
+    };
+    for (name, fluid) in fluids {
+        let Some(eta) = fluid.viscosity_at(&case.mesh, speed / length) else { continue };
+        let number_of = fluid.rho * speed * length / eta;
+        let among = if name.is_empty() { String::new() } else { format!(" of {name}") };
+        let at = match fluid.is_constant {
+            true => String::new(),
+            false => format!(" with the viscosity at {} 1/s", number(speed / length)),
+        };
+        let text = format!(
+            "about {}{among}: {} m/s over {} m ({of}){at}",
+            number(number_of),
+            number(speed),
+            number(length)
+        );
+        page.say("Reynolds number", text);
+    }
+}
+
+/// What grains are to the flow: how many of them lie across it, and what the fluid between them does.
+fn grains(case: &Case, outlook: &Outlook, rate: f64, page: &mut Page) {
+    let Some(g) = &case.config.transport.grains else { return };
+    if let Some(d) = outlook.drives.iter().min_by(|a, b| a.reach.total_cmp(&b.reach)) {
+        let across =
+            format!("{} between patch {} and what is opposite", number(d.reach / g.d), d.patch);
+        page.say("grains across", across);
+    }
+    let Some(second) = &case.config.transport.second else { return };
+    let Some(eta) = second.transport.viscosity_at(&case.mesh, rate) else { return };
+    // I^2/J (M. Trulsson, B. Andreotti, P. Claudin, Phys. Rev. Lett. 109 (2012) 118305).
+    let stokes = g.rho_s * g.d * g.d * rate / eta;
+    let mut text = format!("rhos d^2 rate/eta about {}", number(stokes));
+    if let Some([_, mean, _]) = outlook.pressure.filter(|p| p[1] > 0.0) {
+        text += &format!(", viscous number eta rate/P about {}", number(eta * rate / mean));
+    }
+    text += match stokes {
+        s if s < 1.0 => " (viscous: the fluid between grains decides, and mu(I) does not know it)",
+        s if s < 10.0 => " (fluid and grains both count)",
+        _ => " (inertia of grains decides)",
+    };
+    page.say("Stokes number", text);
 }
 
 /// Grains that gravity drives along cyclic patches: their stress ratio is known.

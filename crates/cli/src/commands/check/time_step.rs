@@ -21,6 +21,9 @@ pub(super) fn say(case: &Case, outlook: &Outlook, page: &mut Page) {
     if rate > 0.0 {
         let speeds = match (outlook.fall, rate > outlook.courant) {
             (Some(_), true) => "after a free fall",
+            _ if outlook.held.is_some() && outlook.drives.is_empty() => {
+                "at the mean velocity that is held"
+            }
             _ => "at the speeds of patches and start fields",
         };
         let courant = rate * control.dt;

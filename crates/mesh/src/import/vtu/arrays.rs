@@ -190,7 +190,12 @@ fn inflated(bytes: &Bytes<'_>, wide: usize, big: bool) -> Option<Vec<u8>> {
     let Bytes::Raw(mut packed) = rest else { return None };
     for &size in &head[3..] {
         let (block, after) = packed.split_at_checked(size)?;
-        ZlibDecoder::new(block).read_to_end(&mut out).ok()?;
+        // No more than the header says: a few damaged bytes may unpack to anything.
+        let (before, most) = (out.len(), head[1] as u64);
+        ZlibDecoder::new(block).take(most + 1).read_to_end(&mut out).ok()?;
+        if (out.len() - before) as u64 > most {
+            return None;
+        }
         packed = after;
     }
     Some(out)

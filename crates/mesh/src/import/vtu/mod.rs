@@ -83,14 +83,27 @@ fn read_piece(
     let array = points.children().find(|n| n.has_tag_name("DataArray"));
     let array = array.ok_or_else(|| Diag::error(&arrays.span(points), "there are no points"))?;
     let values = arrays.numbers(root, array)?;
+    announced(arrays, piece, "NumberOfPoints", values.len() as f64 / 3.0)?;
     let cells = section("Cells")?;
     let cells = Cells {
         first_point: out.points.len() as u32,
         groups: group_array(arrays, root, piece, options)?,
         ..Cells::new(arrays, root, cells)?
     };
+    announced(arrays, piece, "NumberOfCells", cells.types.len() as f64)?;
     out.points.extend(values.chunks_exact(3).map(|x| [x[0], x[1], x[2]]));
     cells.add_to(out)
+}
+
+/// What a piece says of itself must be what it has: a number that fits nothing is a damaged file.
+fn announced(arrays: &Arrays, piece: Node<'_, '_>, key: &str, found: f64) -> Result<(), Diag> {
+    let Some(said) = piece.attribute(key) else { return Ok(()) };
+    if said.trim().parse() == Ok(found) {
+        return Ok(());
+    }
+    let what = format!("`{key}` is {said}, and the piece has {found}");
+    Err(Diag::error(&arrays.span(piece), what)
+        .help("the file is damaged or cut off: save it again"))
 }
 
 /// The cells of a piece as the file has them.
