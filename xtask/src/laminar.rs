@@ -1,5 +1,5 @@
 //! The laminar tutorials of one fluid through both programs, compared cell by cell; see `compare`. Ours runs
-//! twice, with its own forms and, by `compatible yes;`, with the peer's; and where single cells differ, once
+//! twice, as the case is and, by `compatible no;`, with its own forms; and where single cells then differ, once
 //! more on a finer mesh, which says whose answer is nearer.
 
 use crate::compare::{Start, Tutorial, logged};
@@ -77,14 +77,18 @@ fn place(t: &Tutorial, who: &str) -> PathBuf {
     bench::scratch_place(&format!("{}-{who}", t.name()))
 }
 
-/// Ours once more with the peer's forms.
-fn run_alike(t: &Tutorial, from: &Path, granflow: &Path) -> Result<(), String> {
-    let case = bench::copy_case(from, &format!("{}-alike", t.name()))?;
-    t.make_ready(&case)?;
-    t.hand_over(&place(t, "theirs"), &case)?;
+fn take_own_forms(case: &Path) -> Result<(), String> {
     let schemes = case.join("system/fvSchemes");
     let text = fs::read_to_string(&schemes).map_err(|e| format!("fvSchemes: {e}"))?;
-    fs::write(&schemes, text + "\ncompatible yes;\n").map_err(|e| format!("fvSchemes: {e}"))?;
+    fs::write(&schemes, text + "\ncompatible no;\n").map_err(|e| format!("fvSchemes: {e}"))
+}
+
+/// Ours once more with its own forms.
+fn run_own(t: &Tutorial, from: &Path, granflow: &Path) -> Result<(), String> {
+    let case = bench::copy_case(from, &format!("{}-own", t.name()))?;
+    t.make_ready(&case)?;
+    t.hand_over(&place(t, "theirs"), &case)?;
+    take_own_forms(&case)?;
     logged(&["granflow", "run", ".", "-j", "1"], Some(granflow), &case, "log.run").map(|_| ())
 }
 
@@ -93,6 +97,7 @@ fn run_alike(t: &Tutorial, from: &Path, granflow: &Path) -> Result<(), String> {
 fn run_finer(t: &Tutorial, k: usize, from: &Path, granflow: &Path) -> Result<(), String> {
     let case = bench::copy_case(from, &format!("{}-finer", t.name()))?;
     t.make_ready(&case)?;
+    take_own_forms(&case)?;
     finer::shorten_steps(&case, k)?;
     let parents = if t.start == Start::Mesh {
         t.hand_over(&place(t, "theirs"), &case)?;
@@ -112,7 +117,7 @@ fn run_finer(t: &Tutorial, k: usize, from: &Path, granflow: &Path) -> Result<(),
 /// Everything that `rows` reads.
 fn run(t: &Tutorial, from: &Path, granflow: &Path) -> Result<(), String> {
     t.run(from, granflow)?;
-    run_alike(t, from, granflow)?;
+    run_own(t, from, granflow)?;
     times_finer(t).map_or(Ok(()), |k| run_finer(t, k, from, granflow))
 }
 
@@ -140,7 +145,7 @@ pub(crate) fn compare(
 ) -> bool {
     println!(
         "| tutorial | t, s | U: greatest and mean difference, of the peak | p: mean difference, of the range | \
-         U, `compatible` | p, `compatible` | U from the finer mesh's, root mean square: ours, theirs |"
+         U, own forms | p, own forms | U from the finer mesh's, root mean square: ours, theirs |"
     );
     println!("|---|---|---|---|---|---|---|");
     let mut complete = true;
@@ -166,17 +171,17 @@ fn rows(t: &Tutorial) -> Result<(), String> {
             let u = field::vectors(&dir.join("U"), volume.len())?;
             Ok((u, field::scalars(&dir.join("p"), volume.len())?))
         };
-        let (ours, alike, theirs) = (of("ours")?, of("alike")?, of("theirs")?);
-        let [own, same] =
-            [&ours, &alike].map(|a| row(&volume, (&a.0, &theirs.0), (&a.1, &theirs.1)));
+        let (ours, own, theirs) = (of("ours")?, of("own")?, of("theirs")?);
+        let [plain, with_own] =
+            [&ours, &own].map(|a| row(&volume, (&a.0, &theirs.0), (&a.1, &theirs.1)));
         let off = match averaged(t, time, volume.len())? {
             Some(fine) => {
-                let [a, b] = [&ours, &theirs].map(|who| distance(&volume, &who.0, &fine));
+                let [a, b] = [&own, &theirs].map(|who| distance(&volume, &who.0, &fine));
                 format!("{:.2} %, {:.2} %", 100.0 * a, 100.0 * b)
             }
             None => "-".into(),
         };
-        println!("| {}{} | {time:.4} | {own} | {same} | {off} |", t.path, t.label);
+        println!("| {}{} | {time:.4} | {plain} | {with_own} | {off} |", t.path, t.label);
     }
     Ok(())
 }

@@ -176,6 +176,9 @@ pub(crate) fn flow(case: &Case, exec: Exec, mesh: Arc<Mesh>, start: Start) -> Fl
     }
     let gradient = |kind: GradientKind| match kind {
         GradientKind::GaussLinear => Gradient::GaussLinear,
+        GradientKind::LeastSquares if compatible => {
+            Gradient::LeastSquares(LeastSquares::by_area(&mesh))
+        }
         GradientKind::LeastSquares => Gradient::LeastSquares(LeastSquares::new(&mesh)),
     };
     let reference = case.reference.and_then(|(cell, value)| {

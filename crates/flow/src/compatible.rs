@@ -7,16 +7,48 @@
 
 use crate::Flow;
 use crate::interpolation::open_share;
-use granflow_base::{Value, dot};
+use granflow_base::{Value, apply, dot};
 use granflow_fv::operators;
 
 impl Flow {
+    /// Whether a viscosity that varies has those forms.
+    pub(crate) fn has_compatible_viscosity(&self) -> bool {
+        self.numerics.compatible && !self.fluid.rheology.is_constant()
+    }
+
     /// Mobilities of one cell alone in place of those of all cells and of faces without inertia.
     pub(crate) fn mobility_of_one_cell(&mut self) {
         let Flow { exec, mesh, work: w, .. } = self;
         w.r_at.data.copy_from_slice(&w.r_a.data);
         operators::to_faces(exec, mesh, &w.r_a.data, &mut w.r_a_f);
         w.r_at_f.data.copy_from_slice(&w.r_a_f.data);
+    }
+
+    /// The viscosity on faces: linear between cells, at boundaries what the law makes of the strain rate there. The
+    /// cell gradients of velocity and the viscosity of cells must be up to date.
+    pub(crate) fn viscosity_between_cells(&mut self) {
+        self.evaluate_law_on_faces();
+        let Flow { exec, mesh, work: w, .. } = self;
+        operators::to_faces(exec, mesh, &w.eta.data, &mut w.eta_f);
+        let boundary = mesh.n_inner..;
+        w.eta_f.data[boundary.clone()].copy_from_slice(&w.newton.eta[boundary]);
+    }
+
+    /// Adds `grad U . grad eta`, what the transposed part of the stress is where the flow is free of divergence, to
+    /// the force per volume in `body`, from the cell gradients of both.
+    pub(crate) fn add_transposed_stress(&mut self) {
+        let Flow { exec, mesh, work: w, .. } = self;
+        let (eta_f, grad_u) = (&w.eta_f.data, &w.grad_u);
+        exec.for_each(&mut w.body.data[..mesh.n_cells], |first, body| {
+            for (i, body) in body.iter_mut().enumerate() {
+                let c = first + i;
+                let mut grad_eta = [0.0; 3];
+                for (f, sign) in mesh.faces_of(c) {
+                    grad_eta = grad_eta.axpy(sign * eta_f[f], mesh.area[f]);
+                }
+                *body = body.axpy(1.0 / mesh.volume[c], apply(&grad_u[c], grad_eta));
+            }
+        });
     }
 
     /// `S . (H/a)_f - (1/a)_f |S| dp/dn` into `phi_star`, with `H/a - grad p/a` in `hby_a` and the slopes of the

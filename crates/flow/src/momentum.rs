@@ -50,6 +50,9 @@ impl Flow {
         let c = self.ddt_coefficients(dt);
         self.explicit_momentum_flux();
         self.apply_sources();
+        if self.has_compatible_viscosity() {
+            self.add_transposed_stress();
+        }
         let sinks = self.has_sources();
         let Flow { exec, mesh, state, numerics, work: w, two_phase, .. } = self;
         let rho = time::inertia(&w.rho, &w.local);
@@ -106,7 +109,7 @@ impl Flow {
                 out.iter_mut().enumerate().for_each(|(i, m)| *m = rho * phi[first + i]);
             });
         }
-        if fluid.rheology.is_constant() {
+        if fluid.rheology.is_constant() || numerics.compatible {
             // div(eta (grad U)^T) = eta grad(div U) = 0: leaving it out keeps its rounding out too.
             w.explicit.data.fill([0.0; 3]);
         } else {

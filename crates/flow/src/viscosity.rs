@@ -81,6 +81,9 @@ impl Flow {
             self.evaluate_law_on_faces();
         }
         self.spread_viscosity();
+        if self.has_compatible_viscosity() {
+            self.viscosity_between_cells();
+        }
         Ok(())
     }
 

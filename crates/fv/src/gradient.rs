@@ -25,25 +25,48 @@ pub enum Gradient {
     LeastSquares(LeastSquares),
 }
 
-/// The inverse of `sum d d^T/|d|^2` in every cell.
+/// The inverse of `sum w d d^T` in every cell.
 #[derive(Clone, Debug)]
 pub struct LeastSquares {
     inverse: Vec<Tensor>,
+    by_area: bool,
 }
 
 impl LeastSquares {
-    /// Precomputes the inverses for a mesh. Directions without neighbours get a zero gradient.
+    /// Precomputes the inverses for a mesh, weights `1/|d|^2`. Directions without neighbours get a zero gradient.
     pub fn new(mesh: &Mesh) -> Self {
+        Self::weighed(mesh, false)
+    }
+    /// With the weights that OpenFOAM v1912's `leastSquares` is found to have: `a |S|/|d|^2`, `a` the neighbour's share
+    /// of the distance, and 1 at boundaries, where `d` is along the normal.
+    pub fn by_area(mesh: &Mesh) -> Self {
+        Self::weighed(mesh, true)
+    }
+    fn weighed(mesh: &Mesh, by_area: bool) -> Self {
         let one = |c: usize| {
             let mut m = [0.0; 9];
             for (f, s) in mesh.faces_of(c) {
-                let d = scale(mesh.delta[f], s);
-                m = m.axpy(1.0 / dot(d, d), Vec3::dyad(d, d));
+                let (d, weight) = towards(mesh, by_area, f, s);
+                m = m.axpy(weight, Vec3::dyad(d, d));
             }
             inverse_symmetric(&mesh.fit_to_invert(m))
         };
-        LeastSquares { inverse: (0..mesh.n_cells).map(one).collect() }
+        LeastSquares { inverse: (0..mesh.n_cells).map(one).collect(), by_area }
     }
+}
+
+/// From a cell to what is behind its face `f`, whose normal leaves it where `s > 0`, and the weight of that.
+#[inline]
+fn towards(mesh: &Mesh, by_area: bool, f: usize, s: f64) -> (Vec3, f64) {
+    let d = scale(mesh.delta[f], s);
+    if !by_area {
+        return (d, 1.0 / dot(d, d));
+    }
+    let (d, share) = match mesh.weight.get(f) {
+        Some(weight) if f < mesh.n_inner => (d, if s > 0.0 { 1.0 - weight } else { *weight }),
+        _ => (scale(mesh.area[f], 1.0 / (mesh.mag_area[f] * mesh.inv_dist[f])), 1.0),
+    };
+    (d, share * mesh.mag_area[f] / dot(d, d))
 }
 
 impl Gradient {
@@ -105,12 +128,12 @@ impl Gradient {
                         } else {
                             phi.cells.data[mesh.owner[f] as usize]
                         };
-                        let d = scale(mesh.delta[f], s);
+                        let (d, weight) = towards(mesh, ls.by_area, f, s);
                         let ld = granflow_base::apply(&ls.inverse[c], d);
-                        sum = sum.axpy(1.0 / dot(d, d), T::dyad(ld, there.minus(here)));
+                        sum = sum.axpy(weight, T::dyad(ld, there.minus(here)));
                         if leaning && f >= mesh.n_inner {
                             let beside = beside_foot(mesh, phi, f);
-                            lack = lack.axpy(1.0 / dot(d, d), Vec3::dyad(ld, beside));
+                            lack = lack.axpy(weight, Vec3::dyad(ld, beside));
                         }
                     }
                     *g = if lack == [0.0; 9] { sum } else { completed::<T>(sum, &lack) };

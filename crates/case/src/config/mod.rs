@@ -3,6 +3,7 @@
 //! One sink collects the mistakes of all files, so that one run reports them all. Missing files
 //! and entries get the defaults that each submodule documents.
 
+mod compatible;
 mod control;
 mod corrections;
 mod forbidden;
@@ -94,12 +95,15 @@ impl CaseConfig {
             sink,
             notices,
         );
-        if let Some(dict) = schemes_dict.filter(|_| schemes.compatible) {
-            let single = solution.outer <= 1 && transport.grains.is_none();
-            let constant = transport.model == "Newtonian";
-            let of = (two.is_some(), constant, single, schemes.ddt);
-            allow_compatible(&Reader::new(&dict, sink), of);
-        }
+        let kind = compatible::Kind {
+            two: two.is_some(),
+            grains: transport.grains.is_some(),
+            newtonian: transport.model == "Newtonian",
+            outer: solution.outer,
+            ddt: schemes.ddt,
+        };
+        schemes.compatible =
+            compatible::decide(schemes_dict.as_ref(), &control.application, &kind, sink);
         if let TimeScheme::Local(steps) = &mut schemes.ddt {
             *steps = solution.local;
         }
@@ -121,25 +125,6 @@ impl CaseConfig {
         let two = self.transport.second.is_some();
         if self.gravity.is_some() || two { "p_rgh" } else { "p" }
     }
-}
-
-/// Refuses `compatible yes;` where there is nothing to be compatible with.
-fn allow_compatible(r: &Reader<'_>, (two, constant, single, ddt): (bool, bool, bool, TimeScheme)) {
-    let (message, help) = if two {
-        ("`compatible` is for one fluid", "leave it out")
-    } else if !constant {
-        ("`compatible` is for a constant viscosity", "leave it out")
-    } else if ddt != TimeScheme::Euler {
-        ("`compatible` goes with the time scheme Euler", "write `ddtSchemes { default Euler; }`")
-    } else if !single {
-        (
-            "`compatible` is for PISO, a single pass",
-            "leave it out: outer iterations solve momentum and continuity together",
-        )
-    } else {
-        return;
-    };
-    r.error_at_key(schemes::COMPATIBLE, message, "not available", Some(help));
 }
 
 /// Heights are measured from the origin: another `constant/hRef` would change what p_rgh means.

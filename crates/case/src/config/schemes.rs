@@ -104,7 +104,8 @@ impl Schemes {
         if let Some(sub) = r.opt_sub("interpolationSchemes") {
             interpolation(&sub, notices);
         }
-        s.compatible = r.opt_switch(COMPATIBLE, false);
+        // Of `compatible` decides what the case is besides.
+        r.ignore(COMPATIBLE);
         for other in ["fluxRequired", "wallDist", "default"] {
             if let Some(sub) = r.entry(other).and_then(|_| r.opt_sub(other)) {
                 sub.ignore_all();

@@ -1,0 +1,50 @@
+//! Whose forms a single pass has: ours, or those of OpenFOAM's PISO solvers where a case is made for one of these
+//! or `compatible yes;` asks for them.
+
+use crate::config::schemes::COMPATIBLE;
+use granflow_dict::{Dict, Reader, Sink};
+use granflow_flow::TimeScheme;
+
+/// Applications whose cases have OpenFOAM's forms by themselves, where the viscosity is constant. With one that follows
+/// the flow they may be unstable: `offsetCylinder`, the tutorial of `nonNewtonianIcoFoam`, lives there on its solvers' loose tolerance.
+const PEERS: &[&str] = &["icoFoam", "pisoFoam"];
+
+/// What decides.
+pub(super) struct Kind {
+    pub(super) two: bool,
+    pub(super) grains: bool,
+    pub(super) newtonian: bool,
+    /// Outer iterations.
+    pub(super) outer: usize,
+    pub(super) ddt: TimeScheme,
+}
+
+/// Whether the forms are OpenFOAM's; to ask for them where they do not exist is a mistake.
+pub(super) fn decide(schemes: Option<&Dict>, application: &str, kind: &Kind, sink: &Sink) -> bool {
+    let why_not = why_not(kind);
+    let Some(dict) = schemes.filter(|d| d.get(COMPATIBLE).is_some()) else {
+        return why_not.is_none() && kind.newtonian && PEERS.contains(&application);
+    };
+    let r = Reader::new(dict, sink);
+    let asked = r.opt_switch(COMPATIBLE, false);
+    if let Some((message, help)) = why_not.filter(|_| asked) {
+        r.error_at_key(COMPATIBLE, message, "not available", Some(help));
+    }
+    asked
+}
+
+/// What keeps the forms of OpenFOAM from being there, and what to do about it.
+fn why_not(kind: &Kind) -> Option<(&'static str, &'static str)> {
+    Some(if kind.two {
+        ("`compatible` is for one fluid", "leave it out")
+    } else if kind.ddt != TimeScheme::Euler {
+        ("`compatible` goes with the time scheme Euler", "write `ddtSchemes { default Euler; }`")
+    } else if kind.outer > 1 || kind.grains {
+        (
+            "`compatible` is for PISO, a single pass",
+            "leave it out: outer iterations solve momentum and continuity together",
+        )
+    } else {
+        return None;
+    })
+}
