@@ -13,7 +13,7 @@ use super::{
     uniform,
 };
 use crate::time_function::TimeFunction;
-use granflow_base::{Dims, Value, Vec3, norm, unit};
+use granflow_base::{Dims, Value, Vec3};
 use granflow_dict::{CONSTRAINT_TYPES, Reader};
 use granflow_mesh::PatchKind;
 
@@ -105,12 +105,9 @@ fn coulomb_friction(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<V
 fn rotating_wall(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
     leave_value(r);
     let origin = r.vector("origin", Dims::LENGTH);
-    let axis = r.vector("axis", Dims::NONE);
-    if norm(axis) == 0.0 {
-        r.error_at_key("axis", "the axis of rotation has no direction", "zero vector", None);
-    }
+    let axis = r.direction("axis");
     let omega = TimeFunction::read(r, "omega", Dims::RATE, c.case);
-    Box::new(RotatingWall { origin, axis: unit(axis), omega })
+    Box::new(RotatingWall { origin, axis, omega })
 }
 fn wave_alpha(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<f64>> {
     leave_wave(r);

@@ -263,7 +263,9 @@ mod tests {
         assert!(wrong("1 +", false).contains("ends"));
         assert!(wrong("speed*2", false).contains("`speed`"));
         assert!(wrong("snGrad(U)", false).contains("`snGrad`"));
-        assert!(wrong("vector(1, 2)", true).contains("vector"));
+        let vector = "`vector` needs three values, `vector(x, y, z)`, not ";
+        assert_eq!(wrong("vector(1, 2)", true), format!("{vector}2"));
+        assert_eq!(wrong("vector()", true), format!("{vector}0"));
         assert!(wrong("1 2", false).contains("`2`"));
         assert!(wrong("pos() + 1", true).contains("numbers and vectors"));
         assert!(wrong("pos().w()", false).contains("`w`"));
