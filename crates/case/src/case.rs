@@ -7,7 +7,7 @@ use crate::files::DiskFiles;
 use crate::functions::{Remembered, remembered};
 use crate::restart::{WholeState, start_dir};
 use crate::{CaseConfig, CaseError, Notices, WaveTable, Zones, config, figures, files};
-use crate::{meshing, sense, set_fields, strays};
+use crate::{formulae, meshing, sense, set_fields, strays};
 use granflow_base::{Dims, Tensor, Vec3, dot, norm, scale, sub, unit};
 use granflow_dict::{Diag, Reader, Sink, number};
 use granflow_flow::{Gravity, Source};
@@ -164,6 +164,9 @@ impl Case {
             end,
         };
         case.reference = case.find_reference(sink);
+        if !sink.has_errors() {
+            formulae::check(&case, sink);
+        }
         if !sink.has_errors() {
             sense::check(&case, sink);
         }

@@ -15,6 +15,7 @@ pub mod export;
 pub mod fields;
 pub mod figures;
 pub mod files;
+mod formulae;
 pub mod functions;
 pub mod init;
 pub mod jsonl;
