@@ -16,6 +16,7 @@ pub mod fields;
 pub mod figures;
 pub mod files;
 mod formulae;
+mod frames;
 pub mod functions;
 pub mod init;
 pub mod jsonl;
