@@ -141,7 +141,7 @@ mod tests {
             assert!(said.contains(told), "{said}");
         }
         let at = |text: &str, time: f64| {
-            let mut probe = Probe::of::<f64>(&format!("type exprMixed; {text}")).at(time);
+            let probe = Probe::of::<f64>(&format!("type exprMixed; {text}")).at(time);
             probe.fault([0.0; 4])
         };
         let share = "valueExpr \"1\"; fractionExpr \"2*time()\";";
