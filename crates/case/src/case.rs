@@ -7,7 +7,7 @@ use crate::files::DiskFiles;
 use crate::functions::{Around, Remembered, remembered};
 use crate::restart::{WholeState, start_dir};
 use crate::{CaseConfig, CaseError, Notices, WaveTable, Zones, config, figures, files};
-use crate::{meshing, sense, set_fields, strays};
+use crate::{formulae, frames, meshing, sense, set_fields, strays};
 use granflow_base::{Dims, Tensor, Vec3, dot, norm, scale, sub, unit};
 use granflow_dict::{Diag, Reader, Sink, number};
 use granflow_flow::{Gravity, Source};
@@ -149,6 +149,7 @@ impl Case {
         let times = Some((start.time, end));
         let clock = (start.restarted, times);
         let sources = read_sources(root, &dir, &config, clock, (&zones, &mesh), (sink, notices))?;
+        frames::meet(root, &mut start, &sources, sink, notices)?;
         need_time_ahead(&config, options, &start, end, sink);
         let mut case = Case {
             root: root.to_owned(),
@@ -167,6 +168,9 @@ impl Case {
             end,
         };
         case.reference = case.find_reference(sink);
+        if !sink.has_errors() {
+            formulae::check(&case, sink);
+        }
         if !sink.has_errors() {
             sense::check(&case, sink);
         }

@@ -15,6 +15,8 @@ pub mod export;
 pub mod fields;
 pub mod figures;
 pub mod files;
+mod formulae;
+mod frames;
 pub mod functions;
 pub mod init;
 pub mod jsonl;

@@ -159,6 +159,9 @@ pub(crate) fn write_time(
         w.entry("gradient", number(*gradient));
         dir.file_plain(format!("uniform/{file}"), &w.finish())?;
     }
+    if let Some((file, text)) = crate::frames::sheet(&case.sources, name, clock.time) {
+        dir.file_plain(file, &text)?;
+    }
     for (file, text) in case.waves.sheets(&case.poly, name) {
         dir.file_plain(format!("uniform/{file}"), &text)?;
     }

@@ -23,7 +23,8 @@ struct Side<'a> {
     p: &'a Dict,
     /// Whether the flow through it is given, and can be worked out before there is a flow.
     given: Flow,
-    /// Whether the pressure on it is given.
+    /// Whether the pressure on it is given, and whether at least in part.
+    pressure_given: bool,
     pressure_fixed: bool,
     /// What enters and what leaves where the flow is given, m3/s.
     inward: f64,
@@ -36,7 +37,7 @@ struct Side<'a> {
 enum Flow {
     Given,
     Free,
-    /// It depends on waves or levels.
+    /// It depends on waves or levels, or on what flows: of a mixed condition the value is a share.
     Unknown,
 }
 
@@ -96,6 +97,7 @@ fn sides(case: &Case) -> Vec<Side<'_>> {
             u: &u_entries[i],
             p: &p_entries[i],
             given: kinds[i],
+            pressure_given: pressures[i].gives_value(),
             pressure_fixed: pressures[i].fixes_value(),
             inward: 0.0,
             outward: 0.0,
@@ -121,7 +123,8 @@ fn flow_of(c: &dyn Condition<Vec3>) -> Flow {
     match c.name() {
         name if name.starts_with("wave") || name.starts_with("variableHeight") => Flow::Unknown,
         "slip" | "flowRateInletVelocity" | "flowRateOutletVelocity" => Flow::Given,
-        _ if c.fixes_value() || c.friction().is_some() => Flow::Given,
+        _ if c.gives_value() || c.friction().is_some() => Flow::Given,
+        _ if c.fixes_value() => Flow::Unknown,
         _ => Flow::Free,
     }
 }
@@ -169,7 +172,7 @@ fn one(case: &Case, side: &Side<'_>, sink: &Sink) {
     let (name, p) = (side.name, case.config.pressure());
     let flows = side.through() > THROUGH * side.motion && side.motion > 0.0;
     let (of_u, of_p) = (type_of(side.u), type_of(side.p));
-    if flows && side.pressure_fixed {
+    if flows && side.pressure_given {
         let message = format!("patch `{name}`: both the velocity and the pressure are given");
         let label = format!("`{of_p}`, and `{of_u}` for U");
         let help = format!(

@@ -18,8 +18,12 @@ const FILE: &str = "constant/waveProperties";
 const DEPTH: &str = "waterDepthRef";
 /// Another name for it.
 const DEPTH_TOO: &str = "waterDepth";
-/// The condition that lets in as much as there is of fluid 1.
-const OF_HEIGHT: &str = "variableHeightFlowRateInletVelocity";
+/// Conditions that are about fluid 1 (what lets in as much as there is of it, and what holds its mean velocity),
+/// and what is like them where there is one fluid.
+const OF_A_PHASE: [(&str, &str); 2] = [
+    ("variableHeightFlowRateInletVelocity", "flowRateInletVelocity"),
+    ("outletPhaseMeanVelocity", "flowRateOutletVelocity"),
+];
 
 /// The waves of one patch.
 struct Waves {
@@ -58,11 +62,17 @@ impl WaveTable {
             .filter(|&p| asks(&start.u.boundary, "waveVelocity", p) || asks(alpha, "waveAlpha", p))
             .collect();
         let mut table = WaveTable::default();
-        if start.alpha.is_none() {
-            let of_height = |d: &&Dict| d.word("type") == Some(OF_HEIGHT);
-            for entry in start.u.boundary.iter().filter(of_height) {
-                let message = format!("`{OF_HEIGHT}` needs two phases");
-                Reader::new(entry, sink).error_at_key("type", message, "the case has one", None);
+        for entry in &start.u.boundary {
+            let kind = entry.word("type");
+            let kind = OF_A_PHASE.iter().find(|(name, _)| kind == Some(*name));
+            let (Some((kind, alone)), r) = (kind, Reader::new(entry, sink)) else { continue };
+            match &start.alpha {
+                Some(field) => check_fraction(&r, &field.name),
+                None => {
+                    let message = format!("`{kind}` needs two phases");
+                    let help = format!("with one fluid write `{alone}`");
+                    r.error_at_key("type", message, "the case has one", Some(&help));
+                }
             }
         }
         if wanted.is_empty() {

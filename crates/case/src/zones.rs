@@ -20,6 +20,8 @@ use std::sync::Arc;
 
 const FILE: &str = "constant/polyMesh/cellZones";
 const TOPO_SET: &str = "system/topoSetDict";
+/// What an action without a name makes, which is a mistake.
+const NAMELESS: &str = "";
 
 /// Sets of cells and of faces by name, in the user's numbering.
 #[derive(Clone, Debug, Default)]
@@ -92,6 +94,15 @@ impl Zones {
     }
 
     fn act(&mut self, r: &Reader<'_>, poly: &PolyMesh, mesh: &Mesh) {
+        if !r.has("name") {
+            let help = Some("add the name of the set that it makes or changes: `name rotor;`");
+            let label = "`name` not found before this brace";
+            r.error_here("an action of topoSetDict has no name", label, help);
+            // Which zone is missing cannot be known then.
+            self.cells.insert(NAMELESS.to_owned(), Vec::new());
+            r.ignore_all();
+            return;
+        }
         let name = r.word("name").to_owned();
         let kind = r.word("type").to_owned();
         if matches!(kind.as_str(), "faceSet" | "faceZoneSet") {
@@ -188,7 +199,7 @@ impl Zones {
 
     /// The zone that the entry `key` names.
     pub fn expect(&self, r: &Reader<'_>, key: &str, name: &str) -> &[u32] {
-        if name.is_empty() {
+        if name.is_empty() || (self.get(name).is_none() && self.get(NAMELESS).is_some()) {
             return &[];
         }
         self.get(name).unwrap_or_else(|| {

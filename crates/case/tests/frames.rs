@@ -64,6 +64,77 @@ fn a_restart_goes_on_to_the_last_bit() {
     }
 }
 
+/// What the state at 0.1 was written with, and what it goes on with: fluxes are those of the velocity then.
+#[test]
+fn other_frames_than_those_of_the_state_have_its_fluxes_made_anew() {
+    let faster = FRAME.replace("(1 3)", "(1 6)");
+    let smaller = ("system/topoSetDict", ZONES.replace("0.75", "0.6"));
+    let mrf = |text: &str| ("constant/MRFProperties", text.to_owned());
+    let gone = mrf(&FRAME.replace("yes", "no"));
+    for (before, after) in [
+        (mrf(FRAME), mrf(&faster)),
+        (mrf(FRAME), gone.clone()),
+        (gone, mrf(FRAME)),
+        (mrf(FRAME), smaller),
+        (mrf(FRAME), mrf(&FRAME.replace("(bottom top)", "(bottom top outer)"))),
+    ] {
+        let dir = ring("Euler");
+        put(dir.path(), before.0, &before.1);
+        run(dir.path(), &until(0.1));
+        put(dir.path(), after.0, &after.1);
+        let known = |wanted: bool| {
+            let (sink, notices) = (granflow_dict::Sink::new(), granflow_case::Notices::new());
+            let options = granflow_case::Options::default();
+            let case = granflow_case::Case::load(dir.path(), &options, &sink, &notices).unwrap();
+            let said = notices.take().join(" ");
+            assert_eq!(said.contains("fluxes are made anew from the velocity"), !wanted, "{said}");
+            assert_eq!(case.start.phi.is_some(), wanted);
+        };
+        known(false);
+        // The flux is not one of the frame before.
+        run(dir.path(), &until(0.11));
+        let anew = ring("Euler");
+        put(anew.path(), before.0, &before.1);
+        run(anew.path(), &until(0.1));
+        put(anew.path(), after.0, &after.1);
+        std::fs::remove_file(anew.path().join("0.1/phi")).unwrap();
+        run(anew.path(), &until(0.11));
+        for file in ["0.11/U", "0.11/phi"] {
+            let off = apart(dir.path(), anew.path(), file);
+            assert!(off < 1e-9, "{file}: {off:e}");
+        }
+        known(true);
+    }
+}
+
+#[test]
+fn a_frame_without_its_dictionary_is_refused() {
+    let dir = ring("Euler");
+    let bare = FRAME.trim_start_matches("rotor {").trim_end_matches('}');
+    put(dir.path(), "constant/MRFProperties", bare);
+    let said = load_errors(dir.path());
+    assert!(said.contains("`cellZone` stands outside of the dictionary of a zone"), "{said}");
+    assert!(said.contains("rotor { cellZone rotor;"), "{said}");
+    assert_eq!(said.matches("error:").count(), 1, "{said}");
+    // What a macro stands for is no entry of a frame.
+    let by_macro =
+        format!("omega constant 2; {}", FRAME.replace("omega table ((0 1) (1 3))", "omega $omega"));
+    put(dir.path(), "constant/MRFProperties", &by_macro);
+    run(dir.path(), &until(0.01));
+}
+
+#[test]
+fn an_unknown_entry_is_told_once() {
+    let dir = ring("Euler");
+    put(
+        dir.path(),
+        "constant/MRFProperties",
+        &FRAME.replace("active yes;", "active yes; speed 3;"),
+    );
+    let said = load_errors(dir.path());
+    assert_eq!(said.matches("`speed`").count(), 1, "{said}");
+}
+
 #[test]
 fn frames_that_cannot_be_are_refused() {
     let said = |from: &str, to: &str| {

@@ -62,6 +62,9 @@ const BUSY_HELP: &str = "  = help: wait until it has ended, stop it (it writes i
 const BEYOND_HELP: &str = "  = help: lower the wall speed or the force that drives the flow, raise \
                            the pressure, or look at mu2; `granflow run --from latest` goes on";
 
+/// What to do when a formula of a condition failed.
+const CONDITION_HELP: &str = "  = help: mend the condition in this and in that directory, then `granflow run --from latest` goes on";
+
 /// What to do when the computation failed.
 const STEP_HELP: &str = "  = help: shorten deltaT (or write `adjustTimeStep yes; maxCo 0.5;`), look at \
                          the boundary conditions, then `granflow run --from latest` goes on";
@@ -131,8 +134,11 @@ fn finish(mut session: Session, outcome: Result<(), Failure>) -> i32 {
                         complain(BUSY_HELP);
                     }
                     if let CaseError::Step { source, .. } = e {
-                        let beyond = matches!(source, StepError::Beyond { .. });
-                        complain(if beyond { BEYOND_HELP } else { STEP_HELP });
+                        complain(match source {
+                            StepError::Beyond { .. } => BEYOND_HELP,
+                            StepError::Condition { .. } => CONDITION_HELP,
+                            _ => STEP_HELP,
+                        });
                     }
                 }
                 Failure::Validation { failed, of } => {

@@ -110,6 +110,8 @@ bad! {
     negative_tolerance: cavity().edit(SOLUTION, "relTol          0.01;", "relTol          -0.01;");
     no_correctors: cavity().edit(SOLUTION, "nCorrectors     2;", "nCorrectors     0;");
     reference_cell_outside: cavity().edit(SOLUTION, "pRefCell        0;", "pRefCell        16;");
+    limited_without_its_number: cavity().edit(SCHEMES, "snGradSchemes { default corrected; }", "snGradSchemes { default limited; }");
+    limited_laplacian_without_its_number: cavity().edit(SCHEMES, "Gauss linear corrected", "Gauss linear limited corrected");
     grains_without_pressure_level: ring().edit(SOLUTION, "    pRefCell    0;\n    pRefValue   75;\n", "");
 }
 
@@ -156,6 +158,14 @@ bad! {
         .write("constant/g", "dimensions [0 1 -2 0 0 0 0]; value (9.81 0 0);");
     gravity_dimensions: cavity().write("constant/g", "dimensions [0 1 -1 0 0 0 0]; value (0 0 0);");
     no_time_directory: cavity().rename("0", "zero");
+    outlet_mean_of_one_phase: cavity().edit("0/U", "type        fixedValue;\n        value       uniform (1 0 0);", "type outletPhaseMeanVelocity; alpha alpha.water; Umean 1;");
+    outlet_mean_of_another_phase: dam().edit("0.orig/U", "type pressureInletOutletVelocity; value uniform (0 0 0);", "type outletPhaseMeanVelocity; alpha alpha.oil; Umean 1;");
+    share_beyond_one: cavity().edit("0/U", "type        fixedValue;\n        value       uniform (1 0 0);", "type exprMixed; valueExpr \"vector(1, 0, 0)\"; fractionExpr \"1.5\";");
+    share_beyond_one_somewhere: cavity().edit("0/U", "type        fixedValue;\n        value       uniform (1 0 0);", "type exprMixed; valueExpr \"vector(1, 0, 0)\"; fractionExpr \"20*pos().x()\";");
+    formula_infinite: cavity().edit("0/U", "type        fixedValue;\n        value       uniform (1 0 0);", "type exprFixedValue; valueExpr \"vector(1/0, 0, 0)\";");
+    formula_infinite_at_the_start: cavity().edit("0/U", "type        fixedValue;\n        value       uniform (1 0 0);", "type exprFixedValue; valueExpr \"vector(1/time(), 0, 0)\";");
+    formula_vector_of_two: cavity().edit("0/U", "type        fixedValue;\n        value       uniform (1 0 0);", "type exprFixedValue; valueExpr \"vector(1, 0)\";");
+    profile_without_direction: cavity().edit("0/U", "type        fixedValue;\n        value       uniform (1 0 0);", "type fixedProfile; profile constant (1 0 0); direction (0 0 0); origin 0;");
 }
 
 // ---- figures, before anything is computed
@@ -197,6 +207,11 @@ bad! {
     turbulence: cavity().write("constant/turbulenceProperties", "simulationType RAS; RAS { RASModel kEpsilon; }");
     viscoelastic: cavity().write("constant/turbulenceProperties", "simulationType laminar; laminar { laminarModel Maxwell; MaxwellCoeffs { nuM 1; } }");
     moving_mesh: cavity().write("constant/dynamicMeshDict", "dynamicFvMesh dynamicMotionSolverFvMesh;");
+    topo_set_action_without_a_name: cavity()
+        .write("system/topoSetDict", "actions ( { type cellSet; action new; source boxToCell; box (-1 -1 -1) (1 1 1); } );")
+        .write("constant/fvOptions", "push { type vectorSemiImplicitSource; selectionMode cellSet; cellSet left; volumeMode specific; injectionRateSuSp { U ((3 0 0) 0); } }");
+    frame_without_its_dictionary: cavity().write("constant/MRFProperties", "cellZone rotor; active yes; origin (0 0 0); axis (0 0 1); omega 3;");
+    unknown_entry_of_a_source: cavity().write("constant/fvOptions", "push { type vectorSemiImplicitSource; selectionMode all; volumeMode specific; speed 3; injectionRateSuSp { U ((3 0 0) 0); } }");
     source_terms: cavity().write("constant/fvOptions", "heat { type scalarSemiImplicitSource; active yes; }");
 }
 

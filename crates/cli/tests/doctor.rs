@@ -91,6 +91,86 @@ fn sources_of_one_kind_that_share_cells_are_told() {
 }
 
 #[test]
+fn mean_velocities_held_in_the_same_cells_are_rivals() {
+    let with = |ubar: &str| {
+        let other = format!(
+            "momentumSource {{ type meanVelocityForce; selectionMode all; Ubar (1 0 0); }}
+             other {{ type meanVelocityForce; selectionMode all; Ubar {ubar}; }}"
+        );
+        check(&of_catalogue("channel").write("constant/fvOptions", &other))
+    };
+    let (code, out, err) = with("(2 0 0)");
+    assert_eq!(code, Some(0), "{err}");
+    let told = "`momentumSource` and `other` hold a mean velocity in the same cells";
+    assert!(err.contains(told) && !out.contains("add up"), "{out}{err}");
+    assert!(!with("(0 1 0)").2.contains("hold a mean velocity"));
+}
+
+#[test]
+fn walls_that_a_frame_moves_count() {
+    let of = |still: &str| {
+        let zone = "actions ( { name all; type cellSet; action new; source boxToCell; box (-9 -9 -9) (9 9 9); } );";
+        let frame = format!(
+            "rotor {{ cellZone all; origin (0 0 0); axis (0 0 1e-200); omega 400; nonRotatingPatches ({still}); }}"
+        );
+        let case =
+            cavity().write("system/topoSetDict", zone).write("constant/MRFProperties", &frame);
+        let (code, out, err) = check(&case);
+        assert_eq!(code, Some(0), "{err}");
+        out
+    };
+    let turning = of("");
+    assert!(turning.contains("m/s at patch walls"), "{turning}");
+    assert!(turning.contains("that is more than 1: PISO"), "{turning}");
+    let still = of("lid walls");
+    assert!(!still.contains("m/s at patch walls"), "{still}");
+    // The fluid at rest goes through the cells of the frame.
+    assert!(still.contains("that is more than 1: PISO"), "{still}");
+}
+
+#[test]
+fn two_fluids_without_damping_in_time_are_told() {
+    let of =
+        |scheme: &str| dam().edit("system/fvSchemes", "Euler", &format!("CrankNicolson {scheme}"));
+    let (code, _, err) = check(&of("1"));
+    assert_eq!(code, Some(0), "{err}");
+    insta::assert_snapshot!("doctor_crank_nicolson", err);
+    let case = of("");
+    assert!(case.run(&["init", "-q"]).status.success());
+    let run = case.run(&["run", "--until", "0.001"]);
+    assert!(text(&run.stderr).contains("`CrankNicolson 0.9` is nearly as exact"));
+    assert_eq!(check(&of("0.9")).2, "");
+}
+
+#[test]
+fn a_share_of_a_velocity_is_not_given() {
+    let lid = "type        fixedValue;\n        value       uniform (1 0 0);";
+    let of = |condition: &str| check(&cavity().edit("0/U", lid, condition));
+    let mixed = |share: &str| {
+        format!(
+            "type mixed; refValue uniform (1 -0.5 0); refGradient uniform (0 0 0); valueFraction uniform {share};"
+        )
+    };
+    let formula = |share: &str| {
+        format!("type exprMixed; valueExpr \"vector(1, -0.5, 0)\"; fractionExpr \"{share}\";")
+    };
+    for whole in [mixed("1"), formula("2/2")] {
+        let (code, _, err) = of(&whole);
+        assert_eq!(code, Some(2), "{whole}: {err}");
+        assert!(err.contains("the velocity is given on every patch"), "{err}");
+    }
+    for part in [mixed("0.5"), formula("0.5"), formula("time() < 0.05 ? 1 : 0")] {
+        let (code, _, err) = of(&part);
+        assert_eq!((code, err.as_str()), (Some(0), ""), "{part}");
+    }
+    for none in [mixed("0"), formula("0")] {
+        let (code, _, err) = of(&none);
+        assert_eq!(code, Some(0), "{none}: {err}");
+        assert!(err.contains("neither the velocity nor the pressure is given"), "{none}: {err}");
+    }
+}
+
+#[test]
 fn more_in_than_out_cannot_be() {
     let case = cavity().edit("0/U", "uniform (1 0 0);", "uniform (1 -0.5 0);");
     insta::assert_snapshot!("doctor_net_inflow", findings(&case, 2));

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{granflow, ring, text};
+use common::{cavity, granflow, ring, text};
 
 #[test]
 fn an_end_before_the_start_is_refused() {
@@ -19,6 +19,27 @@ fn an_end_before_the_start_is_refused() {
             format!("error: --until {until} lies before the start at 0.3 s (directory 0.3)");
         assert!(said.contains(&message) && said.contains("= help: give a later --until"), "{said}");
         assert!(case.tree() == before, "--until {until} changed something");
+    }
+}
+
+#[test]
+fn a_formula_that_fails_in_time_is_named_with_its_patch() {
+    let lid = "type        fixedValue;\n        value       uniform (1 0 0);";
+    for (condition, told) in [
+        (
+            "exprMixed; valueExpr \"vector(1, 0, 0)\"; fractionExpr \"0.5 + 10*time()\";",
+            "error: U on patch `lid`: the formula `0.5 + 10*time()` is 1.05, a share from 0 to 1 is needed, at (0.0125 0.1 0.005) m, time 0.055 s; the state before this step is in `0.05`",
+        ),
+        (
+            "exprFixedValue; valueExpr \"vector(sqrt(0.05 - time()), 0, 0)\";",
+            "error: U on patch `lid`: the formula `vector(sqrt(0.05 - time()), 0, 0)` is not finite at (0.0125 0.1 0.005) m, time 0.055 s",
+        ),
+    ] {
+        let case = cavity().edit("0/U", lid, &format!("type {condition}"));
+        let out = case.run(&["run"]);
+        let said = text(&out.stderr);
+        assert_eq!(out.status.code(), Some(3), "{said}");
+        assert!(said.contains(told), "{said}");
     }
 }
 

@@ -125,7 +125,7 @@ impl Flow {
 /// sound state of either try had it, and else an iteration whose residuals had grown.
 fn explained(e: StepError, time: f64, beyond: Option<Beyond>, residuals: Residuals) -> StepError {
     match (&e, beyond) {
-        (StepError::Interrupted { .. } | StepError::Dims(_), _) => e,
+        (StepError::Interrupted { .. } | StepError::Condition { .. } | StepError::Dims(_), _) => e,
         (_, Some(beyond)) => StepError::Beyond { time, beyond, seen: Box::new(e) },
         (StepError::NoFlow { .. }, None) => e,
         (_, None) if is_sound(&residuals) => e,

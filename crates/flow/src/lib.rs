@@ -7,6 +7,7 @@ mod coarse_cells;
 mod compatible;
 mod coupled;
 mod failure;
+mod faults;
 mod frame;
 mod free_fall;
 mod friction;

@@ -335,6 +335,18 @@ pub enum StepError {
         /// What was seen of it.
         seen: Box<StepError>,
     },
+    /// A condition was given what cannot be.
+    #[error("{field} on patch `{patch}`: {fault}")]
+    Condition {
+        /// The field.
+        field: &'static str,
+        /// The patch.
+        patch: String,
+        /// The formula, what it gave and where.
+        fault: String,
+        /// Time, s.
+        time: f64,
+    },
     /// The flow was asked to stop; the state is that before the step.
     #[error("stopped on request at time {time}")]
     Interrupted {

@@ -98,7 +98,7 @@ impl Flow {
                 return Ok(Report { steady: true, ..*report });
             }
             Ok(report) => report.residuals,
-            Err(StepError::Interrupted { .. }) => return direct,
+            Err(StepError::Interrupted { .. } | StepError::Condition { .. }) => return direct,
             Err(_) => self.work.residuals,
         };
         let beyond = match direct {
@@ -191,7 +191,7 @@ impl Flow {
             self.numerics.outer = outer;
             let step = match step {
                 Ok(step) => step,
-                Err(e @ StepError::Interrupted { .. }) => {
+                Err(e @ (StepError::Interrupted { .. } | StepError::Condition { .. })) => {
                     self.restore(before);
                     return Err(e);
                 }

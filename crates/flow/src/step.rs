@@ -85,6 +85,7 @@ impl Flow {
             return self.advance_two_phases(dt).map(Some);
         }
         self.begin_step(dt);
+        self.refuse_faults()?;
         let clock = dt;
         let dt = self.inertial_step(clock);
         if guess == Guess::Rest {

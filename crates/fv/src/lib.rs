@@ -17,7 +17,7 @@ pub mod time_function;
 mod unknown;
 pub mod waves;
 
-pub use conditions::{Affine, Condition, PatchClosure, PatchView, Surroundings};
+pub use conditions::{Affine, Condition, Fault, PatchClosure, PatchView, Surroundings};
 pub use convection::{Convection, Shares, defer_to_upwind};
 pub use differentiable::Differentiable;
 pub use equation::{DimError, Equation};

@@ -82,6 +82,16 @@ impl<T: Differentiable> Unknown<T> {
         }
     }
 
+    /// Whether an update may find a condition at fault.
+    pub fn may_fail(&self) -> bool {
+        self.conditions.iter().any(|c| c.may_fail())
+    }
+
+    /// The first patch whose condition the last update found at fault.
+    pub fn fault(&self) -> Option<usize> {
+        self.conditions.iter().position(|c| c.fault().is_some())
+    }
+
     /// The value on boundary face `f` (global face index).
     #[inline]
     pub fn boundary_value(&self, mesh: &Mesh, f: usize) -> T {

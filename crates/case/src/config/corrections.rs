@@ -23,12 +23,28 @@ pub(super) fn laplacian(r: &Reader<'_>, key: &str, notices: &Notices) -> f64 {
 }
 
 /// `snGradSchemes`: one choice for pressure, density and fraction.
-pub(super) fn sn_grad(r: &Reader<'_>) -> Option<NormalDerivative> {
-    let fields: Vec<&str> =
+pub(super) fn sn_grad(r: &Reader<'_>, alpha: Option<&str>) -> Option<NormalDerivative> {
+    // What is written out, and what a pattern stands for.
+    let mut fields: Vec<&str> =
         r.keys().into_iter().filter(|k| k.starts_with("snGrad(") && is_of_two_fluids(k)).collect();
-    let all = fields.iter().copied().chain(first_of(r, &["default"]));
+    let of_alpha = alpha.map(|alpha| format!("snGrad({alpha})"));
+    let names = ["snGrad(p_rgh)", "snGrad(rho)"].into_iter().chain(of_alpha.as_deref());
+    let names: Vec<&str> = names.collect();
+    let by_pattern = |k: &&&str| !fields.contains(*k) && first_of(r, &[**k]).is_some();
+    let by_pattern: Vec<&str> = names.iter().filter(by_pattern).copied().collect();
+    fields.extend(by_pattern);
+    // Where every field has its own, the default is for others.
+    let all_have = alpha.is_some() && names.iter().all(|k| fields.contains(k));
+    let default = first_of(r, &["default"]).filter(|_| !all_have);
+    let mut seen = Vec::new();
     let mut chosen = None;
-    for key in all {
+    for key in fields.into_iter().chain(default) {
+        // A pattern stands for several.
+        let at = r.key_span(key);
+        if seen.contains(&at) {
+            continue;
+        }
+        seen.push(at);
         let Some(mut t) = r.tokens(key) else { continue };
         let read = correction(&mut t);
         if chosen.is_some_and(|c| c != read) {
@@ -58,8 +74,15 @@ fn correction(t: &mut TokenReader<'_>) -> NormalDerivative {
             if t.peek().is_some_and(|t| t.word() == Some("corrected")) {
                 t.next();
             }
+            if t.is_empty() {
+                let message =
+                    "`limited` needs the share of the correction, from 0 (none) to 1 (all of it)";
+                let help = "write `limited corrected 0.5`, or `corrected`, which is all of it";
+                t.error(message, "expected a number", Some(help));
+                return plain(1.0);
+            }
             let k = t.number("the limit");
-            if !(0.0..=1.0).contains(&k) {
+            if !(0.0..=1.0).contains(&k) && !k.is_nan() {
                 t.error_at(&t.last_span(), "the limit lies between 0 and 1", "out of range", None);
             }
             plain(k)
@@ -90,7 +113,7 @@ mod tests {
         assert!(found.is_empty(), "{found:?}");
         let sink = Sink::new();
         let r = Reader::new(&dict, &sink);
-        let read = sn_grad(&r);
+        let read = sn_grad(&r, Some("alpha.water"));
         (read, sink.take().to_string())
     }
 
@@ -106,6 +129,15 @@ mod tests {
             ("default none; snGrad(rho) limited 0.2;", how(0.2, false)),
             ("default none;", None),
             ("", None),
+            // The last pattern that matches, names before patterns, the default where nothing else is.
+            ("default corrected; \"snGrad(.*)\" uncorrected;", how(0.0, false)),
+            ("\"snGrad.*\" corrected; \"snGrad\\(.*\\)\" limited 0.5;", how(0.5, false)),
+            ("\"snGrad\\(.*\\)\" limited 0.5; \"snGrad.*\" corrected;", how(1.0, false)),
+            (
+                "default corrected; \"snGrad.*\" uncorrected; \"snGrad\\(rho\\)\" limited 0;",
+                how(0.0, false),
+            ),
+            ("default none; \".*rho.*\" limited 0.2;", how(0.2, false)),
         ] {
             assert_eq!(read(text), (wanted, String::new()), "{text}");
         }
@@ -115,6 +147,14 @@ mod tests {
         assert!(said("default limited 2;").contains("between 0 and 1"));
         let two = said("default corrected; snGrad(p_rgh) uncorrected;");
         assert!(two.contains("give them one scheme"), "{two}");
+        let pattern = said("default corrected; \"snGrad\\(alpha.*\\)\" uncorrected;");
+        assert!(pattern.contains("give them one scheme"), "{pattern}");
+        let bare = said("default limited;");
+        assert_eq!(bare.matches("error:").count(), 1, "{bare}");
+        assert!(
+            bare.contains("expected a number") && bare.contains("limited corrected 0.5"),
+            "{bare}"
+        );
     }
 
     #[test]

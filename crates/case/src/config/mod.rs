@@ -74,7 +74,8 @@ impl CaseConfig {
         let functions = crate::functions::read(&reader);
         reader.finish(Severity::Warning);
         let schemes_dict = files::dict(root, "system/fvSchemes", sink)?;
-        let kind = (transport.second.is_some(), transport.grains.is_some());
+        let alpha = transport.second.as_deref().map(SecondPhase::alpha);
+        let kind = (alpha.as_deref(), transport.grains.is_some());
         let mut schemes = match &schemes_dict {
             Some(d) => Schemes::read(d, kind, sink, notices),
             None => Schemes::default(),

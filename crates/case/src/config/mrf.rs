@@ -1,8 +1,8 @@
 //! `constant/MRFProperties`: zones of cells in frames that turn.
 
 use crate::{CaseError, Zones, files};
-use granflow_base::{Dims, cross, dot, norm, unit};
-use granflow_dict::{Reader, Severity, Sink, nearest};
+use granflow_base::{Dims, cross, dot, norm};
+use granflow_dict::{Reader, Severity, Sink, Value, nearest};
 use granflow_flow::sources::{RotatingFrame, Source, Zone};
 use granflow_fv::TimeFunction;
 use granflow_fv::conditions::CaseContext;
@@ -45,8 +45,29 @@ pub(crate) fn read(
         frames.push(Box::new(frame));
         r.finish(Severity::Error);
     }
+    refuse_bare(&all);
     all.finish(Severity::Warning);
     Ok(frames)
+}
+
+/// Entries of a frame that stand in no dictionary of their own turn nothing.
+fn refuse_bare(all: &Reader<'_>) {
+    const OF_A_FRAME: [&str; 6] =
+        ["cellZone", "active", "nonRotatingPatches", "origin", "axis", "omega"];
+    let bare = all.dict().entries.iter();
+    // What a macro stands for is there for others.
+    let bare = bare.filter(|e| OF_A_FRAME.contains(&e.key.text()) && !e.referenced);
+    let mut told = false;
+    for entry in bare.filter(|e| matches!(e.value, Value::Stream(_))) {
+        all.take(entry);
+        if !std::mem::replace(&mut told, true) {
+            let message =
+                format!("`{}` stands outside of the dictionary of a zone", entry.key.text());
+            let help = "every zone has one, under any name: `rotor { cellZone rotor; origin (0 0 0); axis (0 0 1); \
+                        omega 10; }`";
+            all.error_at(&entry.key_span, message, "expected `<name> {` before this", Some(help));
+        }
+    }
 }
 
 fn frame(
@@ -58,15 +79,12 @@ fn frame(
 ) -> RotatingFrame {
     let cells = zones.filled(r, "cellZone");
     let origin = r.vector("origin", Dims::LENGTH);
-    let axis = r.vector("axis", Dims::NONE);
-    if norm(axis) == 0.0 || !norm(axis).is_finite() {
-        r.error_at_key("axis", "the axis has no direction", "zero, or beyond numbers", None);
-    }
+    let axis = r.direction("axis");
     let empty = (0..3).filter(|k| !mesh.solved_dirs[*k]);
     let across = empty.map(|k| {
         let mut e = [0.0; 3];
         e[k] = 1.0;
-        norm(cross(unit(axis), e))
+        norm(cross(axis, e))
     });
     if across.fold(0.0, f64::max) > 1e-6 {
         let help = Some("of a plane mesh the axis is the direction without cells side by side");
@@ -75,7 +93,7 @@ fn frame(
     let still = patches(r, mesh);
     let omega = TimeFunction::read(r, "omega", Dims::RATE, case);
     let (name, zone) = (name.to_owned(), Zone::Cells(cells));
-    RotatingFrame { name, zone, origin, axis: unit(axis), omega, still }
+    RotatingFrame { name, zone, origin, axis, omega, still }
 }
 
 /// `nonRotatingPatches`.

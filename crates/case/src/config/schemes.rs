@@ -4,7 +4,7 @@
 
 use super::corrections;
 use crate::Notices;
-use granflow_dict::{Dict, Reader, Severity, Sink, TokenReader, nearest};
+use granflow_dict::{Dict, Key, Reader, Severity, Sink, TokenReader, Value, nearest};
 use granflow_flow::{LocalSteps, NormalDerivative, TimeScheme};
 use granflow_fv::{Convection, GradientLimiter, LimiterKind, Shares};
 
@@ -57,13 +57,15 @@ impl Default for Schemes {
 }
 
 impl Schemes {
-    /// Reads the dictionary for one phase or `two`, the first of which may be `grains`; mistakes go to the sink.
+    /// Reads the dictionary for one phase or two, where the field `alpha` is the first one's fraction, which may be
+    /// `grains`; mistakes go to the sink.
     pub(super) fn read(
         dict: &Dict,
-        (two, grains): (bool, bool),
+        (alpha, grains): (Option<&str>, bool),
         sink: &Sink,
         notices: &Notices,
     ) -> Schemes {
+        let two = alpha.is_some();
         let r = Reader::new(dict, sink);
         let mut s = Schemes::default();
         if let Some(sub) = r.opt_sub("ddtSchemes") {
@@ -98,7 +100,7 @@ impl Schemes {
             leave(&sub, "laplacian(");
         }
         if let Some(sub) = r.opt_sub("snGradSchemes") {
-            s.sn_grad = corrections::sn_grad(&sub);
+            s.sn_grad = corrections::sn_grad(&sub, alpha);
             leave(&sub, "snGrad(");
         }
         if let Some(sub) = r.opt_sub("interpolationSchemes") {
@@ -149,17 +151,30 @@ const CONVECTION: [&str; 6] = [
 ];
 
 /// The first key that is there and is not `none`.
+/// Of names before `default` those that are written out come before those that a pattern stands for.
 pub(super) fn first_of<'k>(r: &Reader<'_>, keys: &[&'k str]) -> Option<&'k str> {
     let given =
         |k: &&&str| r.raw(k).is_some_and(|t| t.first().and_then(|t| t.word()) != Some("none"));
-    keys.iter().find(given).copied()
+    let literal = |k: &&&str| matches!(r.dict().find(k).map(|e| &e.key), Some(Key::Word(_)));
+    let names = keys.iter().position(|k| *k == "default").unwrap_or(keys.len());
+    let literals = keys[..names].iter().filter(literal);
+    literals.chain(keys).find(given).copied()
 }
 
-/// Takes the entries of terms that this program does not have.
+/// Takes the entries of terms that this program does not have; `of` is what their names begin with.
 fn leave(r: &Reader<'_>, of: &str) {
-    for key in r.keys() {
-        if key.starts_with(of) || key == "default" {
-            r.ignore(key);
+    for entry in &r.dict().entries {
+        let left = match &entry.key {
+            Key::Word(key) => key.starts_with(of) || key == "default",
+            // `"grad\(.*\)"`, `"(grad|div).*"`, `".*"`.
+            Key::Regex(p) => {
+                let text = p.text.replace('\\', "");
+                let of = of.trim_end_matches('(');
+                text.starts_with(of) || !text.starts_with(|c: char| c.is_ascii_alphabetic())
+            }
+        };
+        if left {
+            r.take(entry);
         }
     }
 }
@@ -193,6 +208,12 @@ fn ddt(r: &Reader<'_>, key: &str, (two, grains): (bool, bool)) -> TimeScheme {
             if !(0.0..=1.0).contains(&psi) {
                 let message = "the number behind CrankNicolson lies between 0 (Euler) and 1";
                 t.error_at(&t.last_span(), message, "out of range", Some("0.9 is usual"));
+            }
+            if psi == 1.0 && two {
+                let message = "with two fluids `CrankNicolson 1` damps nothing: what oscillates from step to step at \
+                               the interface can grow until the run fails";
+                let help = "`CrankNicolson 0.9` is nearly as exact and damps";
+                r.warn_at_key(key, message, "without damping", Some(help));
             }
             TimeScheme::CrankNicolson(psi)
         }
@@ -283,7 +304,7 @@ pub(super) fn unknown(
 
 fn divergence(r: &Reader<'_>, notices: &Notices) -> Convection {
     let Some(key) = first_of(r, &CONVECTION) else {
-        if r.keys().is_empty() {
+        if r.dict().entries.is_empty() {
             return Schemes::default().convection;
         }
         let near = nearest("div(phi,U)", r.keys());
@@ -460,7 +481,7 @@ fn is_known(base: &str) -> bool {
 /// A number from 0 to 1 behind the name of a scheme.
 fn share(t: &mut TokenReader<'_>) -> f64 {
     let k = t.number("the share of the first scheme");
-    if !(0.0..=1.0).contains(&k) {
+    if !(0.0..=1.0).contains(&k) && !k.is_nan() {
         t.error_at(&t.last_span(), "a share lies between 0 and 1", "out of range", None);
     }
     k
@@ -495,10 +516,10 @@ fn part(t: &mut TokenReader<'_>, notices: &Notices) -> Shares {
 }
 
 fn interpolation(r: &Reader<'_>, notices: &Notices) {
-    for key in r.keys() {
-        let Some(word) = r.raw(key).and_then(|t| t.first()).and_then(|t| t.word()) else {
-            continue;
-        };
+    for entry in &r.dict().entries {
+        r.take(entry);
+        let Value::Stream(tokens) = &entry.value else { continue };
+        let Some(word) = tokens.first().and_then(|t| t.word()) else { continue };
         if word != "linear" && word != "none" {
             notices.say(format!("interpolationSchemes: `{word}` is served by `linear`"));
         }
@@ -516,7 +537,7 @@ mod tests {
         let read = |scheme: &str| {
             let (dict, _) = parse_str(&format!("ddtSchemes {{ default {scheme}; }}"));
             let (sink, notices) = (Sink::new(), Notices::new());
-            let schemes = Schemes::read(&dict, (false, false), &sink, &notices);
+            let schemes = Schemes::read(&dict, (None, false), &sink, &notices);
             assert!(sink.take().is_empty(), "{scheme}");
             schemes.ddt
         };
@@ -524,5 +545,49 @@ mod tests {
             assert_eq!(read(&format!("bounded {scheme}")), read(scheme));
         }
         assert!(read("bounded Euler") != read("bounded backward"));
+    }
+
+    fn said(text: &str) -> (Schemes, String) {
+        let (dict, found) = parse_str(text);
+        assert!(found.is_empty(), "{found:?}");
+        let (sink, notices) = (Sink::new(), Notices::new());
+        let schemes = Schemes::read(&dict, (Some("alpha.water"), false), &sink, &notices);
+        (schemes, sink.take().to_string() + &notices.take().join("\n"))
+    }
+
+    #[test]
+    fn patterns_stand_for_terms_that_are_not_written_out() {
+        let (schemes, said) = said(
+            r#"ddtSchemes { default Euler; "ddt\(.*" CrankNicolson 0.9; }
+            gradSchemes { default leastSquares; "grad\(p.*\)" Gauss linear; "grad\(T\)" nonsense; }
+            divSchemes { default none; "div\(.*U\)" Gauss linear; div(rhoPhi,U) Gauss upwind;
+                "div\(phi,alpha.*" Gauss MUSCL; "div\(phirb,.*" Gauss linear; }
+            laplacianSchemes { default Gauss linear corrected; "laplacian\(.*\)" Gauss linear limited 0.5; }
+            interpolationSchemes { ".*" cubic; }
+            snGradSchemes { default corrected; "snGrad(.*)" limited 0.5; }"#,
+        );
+        assert_eq!(schemes.ddt, TimeScheme::CrankNicolson(0.9));
+        assert_eq!(schemes.gradient, GradientKind::LeastSquares);
+        assert_eq!(schemes.gradient_p, GradientKind::GaussLinear);
+        assert_eq!(schemes.convection, Convection::Upwind);
+        assert_eq!(schemes.alpha, Convection::Limited(LimiterKind::Muscl(1.0)));
+        assert_eq!(schemes.non_orthogonal, 0.5);
+        assert_eq!(schemes.sn_grad, Some(NormalDerivative { limit: 0.5, orthogonal: false }));
+        assert!(said.starts_with("divSchemes: `MUSCL`") || said.contains("`cubic`"), "{said}");
+        assert!(!said.contains("nothing reads this"), "{said}");
+    }
+
+    #[test]
+    fn a_wrong_pattern_is_told() {
+        let (_, said) = said(r#"gradSchemes { default Gauss linear; "gard\(.*\)" leastSquares; }"#);
+        assert!(said.contains("unused entry `gard"), "{said}");
+    }
+
+    #[test]
+    fn crank_nicolson_of_two_fluids_wants_some_damping() {
+        for (scheme, warned) in [("1", true), ("", true), ("0.9", false)] {
+            let (_, said) = said(&format!("ddtSchemes {{ default CrankNicolson {scheme}; }}"));
+            assert_eq!(said.contains("`CrankNicolson 0.9` is nearly"), warned, "{said}");
+        }
     }
 }

@@ -4,10 +4,14 @@
 //! density, as OpenFOAM's solvers for one fluid have them; with two they are forces.
 
 use crate::{CaseError, Zones, files};
+use granflow_base::dot;
 use granflow_dict::{Reader, Severity, Sink, nearest};
 use granflow_flow::sources::{ALL, Given, Source, Zone};
 use granflow_mesh::Mesh;
 use std::path::Path;
+
+/// Cosine of the angle between directions that have nothing to do with each other.
+const ACROSS: f64 = 1e-6;
 
 /// Where the dictionary may be.
 const FILES: [&str; 2] = ["constant/fvOptions", "system/fvOptions"];
@@ -57,7 +61,9 @@ pub(crate) fn read(
                 Some(entry) => {
                     let zone = zone(of, &r, zones);
                     let of = Given { name, r: of, outer: &r, mesh, zone, rho, two };
-                    sources.extend((entry.read)(&of));
+                    let new = (entry.read)(&of);
+                    warn_of_rivals(&r, &new, &sources);
+                    sources.extend(new);
                 }
                 None if kind.is_empty() => {}
                 None => {
@@ -84,6 +90,24 @@ pub(crate) fn read(
         all.finish(Severity::Warning);
     }
     Ok(sources)
+}
+
+/// Of two held mean velocities in the same cells each takes back what the other does.
+fn warn_of_rivals(r: &Reader<'_>, new: &[Box<dyn Source>], before: &[Box<dyn Source>]) {
+    for held in new.iter().filter_map(|s| s.held()) {
+        for other in before.iter().filter_map(|s| s.held()) {
+            // Across each other they get on.
+            let along = dot(held.direction, other.direction).abs();
+            if along > ACROSS && held.zone.meets(&other.zone) {
+                let message = format!(
+                    "`{}` and `{}` hold a mean velocity in the same cells: each works against the other",
+                    other.name, held.name
+                );
+                let help = "leave one out, or give them zones without a cell in common";
+                r.warn_at_key("type", message, "the second one", Some(help));
+            }
+        }
+    }
 }
 
 /// Where a source acts: `selectionMode`, in the dictionary of its type or around it.

@@ -116,6 +116,11 @@ impl<'a> Reader<'a> {
     pub fn ignore(&self, key: &str) {
         self.entry(key);
     }
+    /// Takes an entry of this dictionary whatever its key, of which a later pattern may be the better match.
+    pub fn take(&self, entry: &Entry) {
+        let i = self.dict().entries.iter().position(|e| std::ptr::eq(e, entry));
+        self.node.taken.borrow_mut().extend(i);
+    }
     /// Takes every key, here and below.
     pub fn ignore_all(&self) {
         self.node.all.set(true);
@@ -289,7 +294,8 @@ impl<'a> Reader<'a> {
     }
 
     /// Reports every key nobody asked for as an error or a warning, here and in all
-    /// sub-dictionaries opened through this reader. Call it once, when all reading is done.
+    /// sub-dictionaries opened through this reader. To be called when all reading of it is done: a
+    /// later call, of the dictionary around it too, has no more to say.
     pub fn finish(&self, unknown: Severity) {
         finish(&self.node, &self.sink, unknown);
     }
@@ -330,4 +336,5 @@ fn finish(node: &Node<'_>, sink: &Sink, unknown: Severity) {
     for child in node.children.borrow().iter() {
         finish(child, sink, unknown);
     }
+    node.all.set(true);
 }

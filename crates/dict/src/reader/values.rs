@@ -4,7 +4,7 @@ use super::{Reader, TokenReader, units};
 use crate::diag::Diag;
 use crate::nearest;
 use crate::tree::{Entry, Tok, Token, Value};
-use granflow_base::{Dims, Tensor, Vec3};
+use granflow_base::{Dims, Tensor, Vec3, unit};
 use std::ops::RangeInclusive;
 
 const NAN3: Vec3 = [f64::NAN; 3];
@@ -349,6 +349,19 @@ impl<'a> Reader<'a> {
         let v =
             self.dimensioned(key, e, &[dims], "a vector `(x y z)`", |t| Some((t[0].vec3()?, 1)));
         Some(v.map_or(NAN3, |v| v.0))
+    }
+    /// The unit vector along a vector of any length but zero, which is an error; NaN where it is no vector.
+    pub fn direction(&self, key: &str) -> Vec3 {
+        let v = self.vector(key, Dims::NONE);
+        let most = v.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+        if v == [0.0; 3] || most.is_infinite() {
+            let label = if most == 0.0 { "zero vector" } else { "beyond numbers" };
+            let help = Some("its length does not matter: `(0 0 1)` is a direction");
+            self.error_at_key(key, format!("`{key}` has no direction"), label, help);
+            return NAN3;
+        }
+        // The square of a small one would be zero.
+        unit(v.map(|x| x / most))
     }
     /// A tensor of nine numbers by rows; NaN on error.
     pub fn tensor(&self, key: &str, dims: Dims) -> Tensor {

@@ -54,6 +54,17 @@ impl Zone {
             Zone::Cells(cells) => cells.iter().for_each(|c| f(*c as usize)),
         }
     }
+    /// Whether both have a cell in common.
+    pub fn meets(&self, other: &Zone) -> bool {
+        match (self, other) {
+            (Zone::Cells(a), Zone::Cells(b)) => {
+                let of: std::collections::HashSet<u32> = a.iter().copied().collect();
+                b.iter().any(|c| of.contains(c))
+            }
+            (Zone::All, Zone::Cells(c)) | (Zone::Cells(c), Zone::All) => !c.is_empty(),
+            (Zone::All, Zone::All) => true,
+        }
+    }
 }
 
 /// A force on the bulk.

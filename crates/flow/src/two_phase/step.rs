@@ -39,6 +39,7 @@ impl Flow {
     pub(crate) fn advance_two_phases(&mut self, clock: f64) -> Result<Report, StepError> {
         let starts = self.state.step == 0;
         self.begin_step(clock);
+        self.refuse_faults()?;
         let dt = self.inertial_step(clock);
         if starts {
             self.project_first_flux()?;

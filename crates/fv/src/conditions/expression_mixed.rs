@@ -1,22 +1,25 @@
 //! Between a value and a gradient that are formulae of place and time.
 
-use super::expression::{entries, formula, value_at, variables};
+use super::expression::{Expression, brief, entries, formula, variables};
 use super::read::leave_value;
-use super::{Condition, Entry, PatchClosure, PatchContext, PatchView};
-use crate::formula::Formula;
+use super::{Condition, Entry, Fault, PatchClosure, PatchContext, PatchView};
 use granflow_base::Value;
 use granflow_dict::Reader;
+
+/// What rounding may take a share beyond 0 and 1.
+const ROUNDING: f64 = 1e-9;
 
 /// Robin: `f value + (1 - f) (cell value + gradient * distance)` with formulae for all three.
 struct ExprMixed {
     /// Zero where there is none.
-    value: Option<Formula>,
+    value: Option<Expression>,
     /// Outward, units of the field per metre; zero where there is none.
-    gradient: Option<Formula>,
-    /// The share `f` of the value, kept from 0 to 1; one where there is none.
-    fraction: Option<Formula>,
-    /// Whether the share is the number zero: no value is given then, at no time.
-    free: bool,
+    gradient: Option<Expression>,
+    /// The share `f` of the value; one where there is none.
+    fraction: Option<Expression>,
+    /// The share where it is the same everywhere and always.
+    share: Option<f64>,
+    fault: Option<Fault>,
     /// From the units of the file to those inside.
     factor: f64,
     entries: Vec<(String, String)>,
@@ -27,20 +30,38 @@ impl<T: Value> Condition<T> for ExprMixed {
     }
     fn update(&mut self, view: &PatchView<'_, T>, closure: &mut PatchClosure<'_, T>) {
         closure.free();
+        let mut fault = None;
         for (i, inv_dist) in view.inv_dist.iter().enumerate() {
-            let of = |formula: &mut Option<Formula>| {
-                formula.as_mut().map_or(T::ZERO, |f| value_at::<T, T>(f, view, i))
+            let mut of = |formula: &mut Option<Expression>| {
+                formula.as_mut().map_or(T::ZERO, |f| f.at::<T, T>(view, i, &mut fault))
             };
             let (value, gradient) = (of(&mut self.value), of(&mut self.gradient));
-            let fraction = self.fraction.as_mut().map_or(1.0, |f| value_at::<f64, T>(f, view, i));
-            let fixed = fraction.clamp(0.0, 1.0);
+            let mut fixed = 1.0;
+            if let Some(f) = &mut self.fraction {
+                let share = f.at::<f64, T>(view, i, &mut fault);
+                fixed = share.clamp(0.0, 1.0);
+                if (share - fixed).abs() > ROUNDING && fault.is_none() {
+                    let is = format!("is {}, a share from 0 to 1 is needed,", brief(share));
+                    fault = Some(f.fault(&is, view.centre[i], view.around.time));
+                }
+            }
             let rise = gradient.scaled((1.0 - fixed) / inv_dist);
             closure.offset[i] = rise.axpy(fixed, value).scaled(self.factor);
             closure.slope[i] = 1.0 - fixed;
         }
+        self.fault = fault;
     }
     fn fixes_value(&self) -> bool {
-        !self.free
+        self.share != Some(0.0)
+    }
+    fn gives_value(&self) -> bool {
+        self.share == Some(1.0)
+    }
+    fn may_fail(&self) -> bool {
+        true
+    }
+    fn fault(&self) -> Option<&Fault> {
+        self.fault.as_ref()
     }
     fn entries(&self) -> Vec<(String, String)> {
         self.entries.clone()
@@ -73,18 +94,27 @@ fn read<T: Value>(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<T>>
     }
     leave_value(r);
     let variables = variables(r);
-    let of = |key: &str, vector| r.has(key).then(|| formula(r, key, &variables, vector)).flatten();
+    let of = |key: &'static str, vector| {
+        r.has(key).then(|| formula(r, key, &variables, vector)).flatten()
+    };
     if !r.has("valueExpr") && !r.has("gradientExpr") {
         let help = Some("give `valueExpr`, `gradientExpr` or both");
         r.error_here("`exprMixed` has no formula", "neither value nor gradient", help);
     }
     let keys = ["variables", "valueExpr", "gradientExpr", "fractionExpr"];
-    let share = r.has("fractionExpr").then(|| r.string("fractionExpr").trim().parse::<f64>());
+    let mut fraction = of("fractionExpr", false);
+    let share = fraction.as_mut().map_or(Some(1.0), Expression::constant);
+    if let Some(f) = share.filter(|f| f.is_finite() && !(0.0..=1.0).contains(f)) {
+        let message = "`fractionExpr` must be from 0 to 1";
+        let help = Some("1 gives the value, 0 the gradient");
+        r.error_at_key("fractionExpr", message, format!("{} is no share", brief(f)), help);
+    }
     Box::new(ExprMixed {
-        free: share.is_some_and(|f| f.is_ok_and(|f| f <= 0.0)),
+        share,
+        fault: None,
         value: of("valueExpr", T::N == 3),
         gradient: of("gradientExpr", T::N == 3),
-        fraction: of("fractionExpr", false),
+        fraction,
         factor: c.factor,
         entries: entries(r, &keys),
     })
@@ -100,7 +130,39 @@ mod tests {
             let text = format!("type exprMixed; gradientExpr \"0\"; fractionExpr \"{share}\";");
             Probe::of::<f64>(&text).condition().fixes_value()
         };
-        assert!(!of("0") && !of(" 0.0 ") && of("1") && of("time()"));
+        assert!(!of("0") && !of(" 0.0 ") && !of("1 - 1") && of("1") && of("time()"));
+        let gives = |share: &str| {
+            let text = format!("type exprMixed; valueExpr \"0\"; {share}");
+            Probe::of::<f64>(&text).condition().gives_value()
+        };
+        assert!(gives("") && gives("fractionExpr \"2/2\";"));
+        assert!(!gives("fractionExpr \"0.5\";") && !gives("fractionExpr \"time()\";"));
+    }
+
+    #[test]
+    fn what_cannot_be_is_known_at_once_or_told_with_its_time() {
+        for (text, told) in [
+            ("valueExpr \"1\"; fractionExpr \"1.5\";", "1.5 is no share"),
+            ("valueExpr \"1\"; fractionExpr \"-1e-3\";", "must be from 0 to 1"),
+            ("valueExpr \"sqrt(-1)\";", "the formula `sqrt(-1)` is not finite"),
+            ("gradientExpr \"1/0\";", "the formula `1/0` is not finite"),
+        ] {
+            let said = mistakes::<f64>(&format!("type exprMixed; {text}")).to_string();
+            assert!(said.contains(told), "{said}");
+        }
+        let at = |text: &str, time: f64| {
+            let probe = Probe::of::<f64>(&format!("type exprMixed; {text}")).at(time);
+            probe.fault([0.0; 4])
+        };
+        let share = "valueExpr \"1\"; fractionExpr \"2*time()\";";
+        assert_eq!(at(share, 0.5), None);
+        let fault = at(share, 0.75).unwrap();
+        assert_eq!(fault.key, "fractionExpr");
+        let told = "the formula `2*time()` is 1.5, a share from 0 to 1 is needed, at (0 0.25 0.25) m, \
+                    time 0.75 s";
+        assert_eq!(fault.text, told);
+        let fault = at("valueExpr \"1/(time() - 1)\";", 1.0).unwrap();
+        assert!(fault.text.contains("`1/(time() - 1)` is not finite at ("), "{}", fault.text);
     }
 
     /// Half a metre from the cells. What is left out is what icoFoam v1912 takes.

@@ -30,6 +30,9 @@ impl<T: Value> Condition<T> for Mixed<T> {
     fn fixes_value(&self) -> bool {
         self.fraction.iter().any(|f| *f > 0.0)
     }
+    fn gives_value(&self) -> bool {
+        self.fraction.iter().all(|f| *f == 1.0)
+    }
     fn entries(&self) -> Vec<(String, String)> {
         vec![
             ("refValue".into(), field_text(&self.value)),
@@ -85,6 +88,10 @@ mod tests {
         // 0.5 m behind the face: 6 + 4/2 where only the gradient counts.
         assert_eq!(Probe::of::<f64>(text).values([6.0; 4]), [8.0, 6.5, 5.0, 2.0]);
         assert!(Probe::of::<f64>(text).condition().fixes_value());
+        assert!(!Probe::of::<f64>(text).condition().gives_value());
+        let whole =
+            "type mixed; refValue uniform 2; refGradient uniform 4; valueFraction uniform 1;";
+        assert!(Probe::of::<f64>(whole).condition().gives_value());
         let wrong = "type mixed; refValue uniform 2; refGradient uniform 4; \
                      valueFraction uniform 1.5;";
         assert!(mistakes::<f64>(wrong).to_string().contains("from 0 to 1"));

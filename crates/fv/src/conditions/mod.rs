@@ -186,6 +186,15 @@ impl<T> PatchView<'_, T> {
     }
 }
 
+/// What an update found at fault: a formula that gave what cannot be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fault {
+    /// The entry.
+    pub key: &'static str,
+    /// The formula, what it gave, where and when.
+    pub text: String,
+}
+
 /// A boundary condition on one patch.
 pub trait Condition<T>: Send + Sync {
     /// The name in the field file.
@@ -210,6 +219,18 @@ pub trait Condition<T>: Send + Sync {
     /// Whether the condition pins the level of the field (so that no reference cell is needed).
     fn fixes_value(&self) -> bool {
         false
+    }
+    /// Whether the value is given on all faces at all times, whatever the flow does.
+    fn gives_value(&self) -> bool {
+        self.fixes_value()
+    }
+    /// Whether an update may find what the condition was given at fault.
+    fn may_fail(&self) -> bool {
+        false
+    }
+    /// What the last update found at fault.
+    fn fault(&self) -> Option<&Fault> {
+        None
     }
     /// The entries of the patch in the field file, as the user gave them (restart needs them).
     fn entries(&self) -> Vec<(String, String)>;

@@ -50,6 +50,9 @@ impl Condition<Vec3> for OutletPhaseMean {
     fn fixes_value(&self) -> bool {
         true
     }
+    fn gives_value(&self) -> bool {
+        false
+    }
     fn entries(&self) -> Vec<(String, String)> {
         self.entries.clone()
     }

@@ -4,7 +4,7 @@ use super::read::leave_value;
 use super::{Condition, Entry, PatchClosure, PatchContext, PatchView, value_text};
 use crate::conditions::CaseContext;
 use crate::time_function::TimeFunction;
-use granflow_base::{Dims, Value, Vec3, dot, norm, unit};
+use granflow_base::{Dims, Value, Vec3, dot};
 use granflow_dict::{Reader, number};
 
 /// Dirichlet: a function of `direction . x - origin`.
@@ -54,13 +54,10 @@ fn read<T: Value>(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<T>>
     leave_value(r);
     // What it is a function of is not time.
     let case = CaseContext { times: None, ..c.case };
-    let direction = r.vector("direction", Dims::NONE);
-    if norm(direction) == 0.0 {
-        r.error_at_key("direction", "`direction` has no direction", "zero vector", None);
-    }
+    let direction = r.direction("direction");
     Box::new(FixedProfile {
         profile: TimeFunction::read(r, "profile", c.dims, case).times(c.factor),
-        direction: unit(direction),
+        direction,
         origin: r.scalar("origin", Dims::LENGTH),
     })
 }

@@ -4,7 +4,7 @@ use super::basic::text;
 use super::read::leave_value;
 use super::{Condition, Entry, PatchClosure, PatchContext, PatchView};
 use crate::time_function::TimeFunction;
-use granflow_base::{Dims, Vec3, cross, norm, scale, sub, unit};
+use granflow_base::{Dims, Vec3, cross, scale, sub};
 use granflow_dict::Reader;
 
 /// Velocity of a solid body turning about an axis: `omega(t) axis x (x - origin)`, without slip.
@@ -57,10 +57,7 @@ pub(super) const ENTRY: Entry = Entry {
 fn rotating_wall(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
     leave_value(r);
     let origin = r.vector("origin", Dims::LENGTH);
-    let axis = r.vector("axis", Dims::NONE);
-    if norm(axis) == 0.0 {
-        r.error_at_key("axis", "the axis of rotation has no direction", "zero vector", None);
-    }
+    let axis = r.direction("axis");
     let omega = TimeFunction::read(r, "omega", Dims::RATE, c.case);
-    Box::new(RotatingWall { origin, axis: unit(axis), omega })
+    Box::new(RotatingWall { origin, axis, omega })
 }

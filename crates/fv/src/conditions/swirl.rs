@@ -19,7 +19,7 @@ impl Axis {
     /// `origin` and `axis` of a dictionary.
     fn read(r: &Reader<'_>) -> Axis {
         let origin = r.vector("origin", Dims::LENGTH);
-        Axis { origin, along: direction(r) }
+        Axis { origin, along: r.direction("axis") }
     }
     /// From the axis to `x`.
     fn arm(&self, x: Vec3) -> Vec3 {
@@ -29,14 +29,6 @@ impl Axis {
     fn entries(&self) -> Vec<(String, String)> {
         vec![("origin".into(), value_text(self.origin)), ("axis".into(), value_text(self.along))]
     }
-}
-
-fn direction(r: &Reader<'_>) -> Vec3 {
-    let axis = r.vector("axis", Dims::NONE);
-    if norm(axis) == 0.0 {
-        r.error_at_key("axis", "the axis of rotation has no direction", "zero vector", None);
-    }
-    unit(axis)
 }
 
 /// Revolutions per minute to rad/s.
@@ -228,7 +220,7 @@ fn flow_rate(r: &Reader<'_>, c: &PatchContext<'_>) -> Box<dyn Condition<Vec3>> {
         rate: TimeFunction::read(r, "flowRate", Dims::VOLUME_FLUX, c.case),
         rpm: TimeFunction::read(r, "rpm", Dims::RATE, c.case),
         origin: r.maybe_vector("origin", Dims::LENGTH),
-        along: r.has("axis").then(|| direction(r)),
+        along: r.has("axis").then(|| r.direction("axis")),
     })
 }
 

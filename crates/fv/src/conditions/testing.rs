@@ -1,7 +1,7 @@
 //! A patch of four faces for tests of conditions: `xMin` of the unit box, two by two faces of
 //! 1/4 m2 with one cell behind each, whose centre lies 0.5 m away. The outward normal is (-1 0 0).
 
-use super::{CaseContext, Condition, PatchContext, Surroundings, ZeroGradient};
+use super::{CaseContext, Condition, Fault, PatchContext, Surroundings, ZeroGradient};
 use super::{read_scalar, read_vector};
 use crate::{Differentiable, FaceField, Unknown};
 use granflow_base::{Dims, Vec3};
@@ -119,6 +119,13 @@ impl<T: Read> Probe<'_, T> {
     }
     /// What the patch's faces get from these values in the cells behind them.
     pub(crate) fn values(self, cells: [T; 4]) -> [T; 4] {
+        self.updated(cells).0
+    }
+    /// What an update with these values in the cells finds at fault.
+    pub(crate) fn fault(self, cells: [T; 4]) -> Option<Fault> {
+        self.updated(cells).1
+    }
+    fn updated(self, cells: [T; 4]) -> ([T; 4], Option<Fault>) {
         let mesh = Mesh::new(&shapes::unit_box([1, 2, 2])).unwrap();
         let patch = mesh.patches[0].faces.clone();
         assert_eq!(patch.len(), 4);
@@ -154,6 +161,7 @@ impl<T: Read> Probe<'_, T> {
         };
         let flux = self.flux.is_some().then_some(&flux);
         field.update(&Exec::serial(), &mesh, &around, flux);
-        std::array::from_fn(|i| field.boundary_value(&mesh, patch.start + i))
+        let values = std::array::from_fn(|i| field.boundary_value(&mesh, patch.start + i));
+        (values, field.conditions[0].fault().cloned())
     }
 }

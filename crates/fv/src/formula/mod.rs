@@ -117,6 +117,12 @@ impl Formula {
         self.root.at(place, &self.values).map_err(|e| (None, FormulaError::of(e)))
     }
 
+    /// The value, where it is the same everywhere and always.
+    pub fn constant(&mut self) -> Option<Quantity> {
+        let trial = Place { position: [1.0; 3], area: [1.0, 0.0, 0.0], time: 1.0 };
+        self.root.is_constant(&self.variables).then(|| self.at(&trial))
+    }
+
     /// The value at a place.
     pub fn at(&mut self, place: &Place) -> Quantity {
         // The trial has shown that kinds fit.
@@ -133,7 +139,34 @@ fn number(q: Quantity) -> Result<f64, &'static str> {
     }
 }
 
+impl Quantity {
+    /// Whether it consists of numbers that are finite.
+    pub fn is_finite(&self) -> bool {
+        match self {
+            Quantity::Scalar(x) => x.is_finite(),
+            Quantity::Vector(v) => v.iter().all(|x| x.is_finite()),
+        }
+    }
+}
+
 impl Node {
+    /// Whether neither place nor time matters.
+    fn is_constant(&self, variables: &[Node]) -> bool {
+        let all = |nodes: &[Node]| nodes.iter().all(|n| n.is_constant(variables));
+        match self {
+            Node::Number(_) => true,
+            Node::Variable(k) => variables[*k].is_constant(variables),
+            Node::Position | Node::Normal | Node::Area | Node::Time => false,
+            Node::Vector(parts) | Node::Choice(parts) => all(&parts[..]),
+            Node::Call2(_, parts) | Node::Binary(_, parts) => all(&parts[..]),
+            Node::Component(n, _)
+            | Node::Minus(n)
+            | Node::Not(n)
+            | Node::Call(_, n)
+            | Node::Length(n) => n.is_constant(variables),
+        }
+    }
+
     fn at(&self, place: &Place, variables: &[Quantity]) -> Found {
         use Quantity::{Scalar, Vector};
         let of = |n: &Node| n.at(place, variables);
@@ -259,11 +292,27 @@ mod tests {
     }
 
     #[test]
+    fn what_is_the_same_everywhere_is_known() {
+        let constant = |variables: &[&str], text: &str, vector| {
+            Formula::new(variables, text, vector).unwrap().constant()
+        };
+        assert_eq!(constant(&["a = 3"], "1 - a/2", false), Some(Quantity::Scalar(-0.5)));
+        let v = Some(Quantity::Vector([0.0, 1.0, 2.0]));
+        assert_eq!(constant(&[], "vector(0, 1, 2)", true), v);
+        assert_eq!(constant(&["a = time()"], "1 - a/2", false), None);
+        assert_eq!(constant(&[], "pos().x() > 1 ? 1 : 1", false), None);
+        assert!(!constant(&[], "1/0", false).unwrap().is_finite());
+        assert!(!constant(&[], "vector(1, sqrt(-1), 0)", true).unwrap().is_finite());
+    }
+
+    #[test]
     fn mistakes_are_named() {
         assert!(wrong("1 +", false).contains("ends"));
         assert!(wrong("speed*2", false).contains("`speed`"));
         assert!(wrong("snGrad(U)", false).contains("`snGrad`"));
-        assert!(wrong("vector(1, 2)", true).contains("vector"));
+        let vector = "`vector` needs three values, `vector(x, y, z)`, not ";
+        assert_eq!(wrong("vector(1, 2)", true), format!("{vector}2"));
+        assert_eq!(wrong("vector()", true), format!("{vector}0"));
         assert!(wrong("1 2", false).contains("`2`"));
         assert!(wrong("pos() + 1", true).contains("numbers and vectors"));
         assert!(wrong("pos().w()", false).contains("`w`"));

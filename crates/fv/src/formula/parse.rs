@@ -268,7 +268,7 @@ impl<'t> Parser<'t> {
         let mut each = arguments.into_iter();
         let wrong = |needs: &str| FormulaError::of(format!("`{name}` needs {needs}, not {n}"));
         let mut one = || each.next().map(Box::new);
-        if n == 0 {
+        if n == 0 && name != "vector" {
             let area = || Box::new(Node::Area);
             return match name {
                 "pos" => Ok(Node::Position),
@@ -302,7 +302,7 @@ impl<'t> Parser<'t> {
                 (Some(x), Some(y), Some(z)) => Ok(Node::Vector(Box::new([x, y, z]))),
                 _ => Err(wrong("three values")),
             },
-            ("vector", _) => Err(wrong("three values")),
+            ("vector", _) => Err(wrong("three values, `vector(x, y, z)`")),
             _ => Err(wrong("no values between its parentheses")),
         }
     }

@@ -1,7 +1,9 @@
 //! What drives the flow, how far and how fast: from boundary conditions, gravity and start fields.
 
-use granflow_base::{Dims, Vec3, dot, norm, scale, unit};
+use granflow_base::{Dims, Vec3, dot, norm, scale, sub, unit};
 use granflow_case::{Case, boundary};
+use granflow_flow::Zone;
+use granflow_flow::sources::RotatingFrame;
 use granflow_fv::{Surroundings, Unknown};
 use granflow_mesh::{Mesh, PatchKind};
 use granflow_par::Exec;
@@ -100,12 +102,30 @@ fn drives(case: &Case) -> (Vec<Drive>, f64) {
     }
     let mut courant: f64 =
         (0..mesh.n_cells).map(|c| cell_courant(mesh, c, u.cells.data[c])).fold(0.0, f64::max);
+    let turning = turning(case, &u);
     let mut speeds = vec![[f64::INFINITY, 0.0_f64]; mesh.patches.len()];
     let mut passes = vec![false; mesh.patches.len()];
     for k in 0..SAMPLES {
         let share = k as f64 / (SAMPLES - 1) as f64;
         let time = case.start.time + share * (case.end - case.start.time);
         u.update(&exec, mesh, &Surroundings { time, ..Surroundings::default() }, None);
+        for Turning { frame, cells, walls } in &turning {
+            let omega = frame.omega.at(time);
+            for f in walls {
+                let v = scale(frame.arm(mesh.face_centre[*f]), omega);
+                u.closure.offset[f - mesh.n_inner] = v;
+            }
+            // What counts in a zone is the flux relative to the frame.
+            for c in cells {
+                let v = u.cells.data[*c];
+                let through = |f: usize| {
+                    let frame = scale(frame.arm(mesh.face_centre[f]), omega);
+                    dot(sub(v, frame), mesh.area[f]).abs()
+                };
+                let out: f64 = mesh.faces_of(*c).map(|(f, _)| through(f)).sum();
+                courant = courant.max(0.5 * out / mesh.volume[*c]);
+            }
+        }
         let each = mesh.patches.iter().zip(&mut speeds).zip(&mut passes);
         for ((patch, [least, most]), passes) in each {
             for f in patch.faces.clone() {
@@ -165,6 +185,32 @@ fn held(case: &Case) -> Option<([f64; 2], f64)> {
     let width = if area > 0.0 { 2.0 * total / area } else { total.cbrt() };
     let courant = (0..mesh.n_cells).map(|c| cell_courant(mesh, c, mean)).fold(0.0, f64::max);
     Some(([norm(mean), width], courant))
+}
+
+/// What turns with a frame.
+struct Turning<'a> {
+    frame: &'a RotatingFrame,
+    cells: Vec<usize>,
+    /// Faces of walls whose velocity is given.
+    walls: Vec<usize>,
+}
+
+fn turning<'a>(case: &'a Case, u: &Unknown<Vec3>) -> Vec<Turning<'a>> {
+    let mesh = &*case.mesh;
+    let of = |frame: &'a RotatingFrame| {
+        let mut within = vec![matches!(frame.zone, Zone::All); mesh.n_cells];
+        if let Zone::Cells(users) = &frame.zone {
+            users.iter().for_each(|c| within[*c as usize] = true);
+        }
+        let turns = |c: usize| within[mesh.global_cell[c] as usize];
+        let walls = mesh.patches.iter().zip(&u.conditions).filter(|(p, c)| {
+            p.kind == PatchKind::Wall && !frame.still.contains(&p.name) && c.fixes_value()
+        });
+        let faces = walls.flat_map(|(p, _)| p.faces.clone());
+        let walls = faces.filter(|f| turns(mesh.owner[*f] as usize)).collect();
+        Turning { frame, cells: (0..mesh.n_cells).filter(|c| turns(*c)).collect(), walls }
+    };
+    case.sources.iter().filter_map(|s| s.frame()).map(of).collect()
 }
 
 /// Courant number of a step of one second in a cell that moves with `v`.

@@ -52,9 +52,11 @@ pub(super) fn say(case: &Case, page: &mut Page) {
     }
     for (k, one) in case.sources.iter().enumerate() {
         for other in &case.sources[..k] {
+            // Held mean velocities do not, which every command says.
             if one.kind() == other.kind()
+                && one.held().is_none()
                 && one.name() != other.name()
-                && meet(one.zone(), other.zone())
+                && one.zone().meets(other.zone())
             {
                 page.warn(format!(
                     "`{}` and `{}` are both a {} and share cells: there they add up",
@@ -80,18 +82,6 @@ fn of_source(source: &dyn Source, all: usize) -> String {
     match source.zone() {
         Zone::All => format!("{what}, in all cells"),
         Zone::Cells(cells) => format!("{what}, in {} of {all} cells", cells.len()),
-    }
-}
-
-/// Whether two zones have a cell in common.
-fn meet(a: &Zone, b: &Zone) -> bool {
-    match (a, b) {
-        (Zone::Cells(a), Zone::Cells(b)) => {
-            let of: std::collections::HashSet<u32> = a.iter().copied().collect();
-            b.iter().any(|c| of.contains(c))
-        }
-        (Zone::All, Zone::Cells(c)) | (Zone::Cells(c), Zone::All) => !c.is_empty(),
-        (Zone::All, Zone::All) => true,
     }
 }
 
