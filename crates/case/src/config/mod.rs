@@ -96,8 +96,10 @@ impl CaseConfig {
         );
         if let Some(dict) = schemes_dict.filter(|_| schemes.compatible) {
             let single = solution.outer <= 1 && transport.grains.is_none();
-            let constant = transport.model == "Newtonian";
-            let of = (two.is_some(), constant, single, schemes.ddt);
+            let newtonian = |model: &str| model == "Newtonian";
+            let constant = newtonian(&transport.model)
+                && two.is_none_or(|second| newtonian(&second.transport.model));
+            let of = (constant, single, schemes.ddt);
             allow_compatible(&Reader::new(&dict, sink), of);
         }
         if let TimeScheme::Local(steps) = &mut schemes.ddt {
@@ -105,8 +107,7 @@ impl CaseConfig {
         }
         let vof = two.map(|two| {
             let geometric = control.application == "interIsoFoam";
-            let (alpha, scheme) = (two.alpha(), schemes.alpha);
-            vof::read(&solution_dict, &alpha, geometric, scheme, sink, notices)
+            vof::read(&solution_dict, &two.alpha(), geometric, &schemes, sink, notices)
         });
         Ok(CaseConfig { control, schemes, solution, transport, gravity, functions, vof })
     }
@@ -124,10 +125,8 @@ impl CaseConfig {
 }
 
 /// Refuses `compatible yes;` where there is nothing to be compatible with.
-fn allow_compatible(r: &Reader<'_>, (two, constant, single, ddt): (bool, bool, bool, TimeScheme)) {
-    let (message, help) = if two {
-        ("`compatible` is for one fluid", "leave it out")
-    } else if !constant {
+fn allow_compatible(r: &Reader<'_>, (constant, single, ddt): (bool, bool, TimeScheme)) {
+    let (message, help) = if !constant {
         ("`compatible` is for a constant viscosity", "leave it out")
     } else if ddt != TimeScheme::Euler {
         ("`compatible` goes with the time scheme Euler", "write `ddtSchemes { default Euler; }`")
