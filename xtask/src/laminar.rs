@@ -78,7 +78,7 @@ fn place(t: &Tutorial, who: &str) -> PathBuf {
 }
 
 /// Ours once more with the peer's forms.
-fn run_alike(t: &Tutorial, from: &Path, granflow: &Path) -> Result<(), String> {
+pub(crate) fn run_alike(t: &Tutorial, from: &Path, granflow: &Path) -> Result<(), String> {
     let case = bench::copy_case(from, &format!("{}-alike", t.name()))?;
     t.make_ready(&case)?;
     t.hand_over(&place(t, "theirs"), &case)?;
