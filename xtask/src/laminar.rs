@@ -77,18 +77,25 @@ fn place(t: &Tutorial, who: &str) -> PathBuf {
     bench::scratch_place(&format!("{}-{who}", t.name()))
 }
 
-fn take_own_forms(case: &Path) -> Result<(), String> {
+/// Takes the peer's forms (`yes`) or our own (`no`).
+fn take_forms(case: &Path, compatible: &str) -> Result<(), String> {
     let schemes = case.join("system/fvSchemes");
     let text = fs::read_to_string(&schemes).map_err(|e| format!("fvSchemes: {e}"))?;
-    fs::write(&schemes, text + "\ncompatible no;\n").map_err(|e| format!("fvSchemes: {e}"))
+    let text = format!("{text}\ncompatible {compatible};\n");
+    fs::write(&schemes, text).map_err(|e| format!("fvSchemes: {e}"))
 }
 
-/// Ours once more with its own forms.
-fn run_own(t: &Tutorial, from: &Path, granflow: &Path) -> Result<(), String> {
-    let case = bench::copy_case(from, &format!("{}-own", t.name()))?;
+/// Ours once more, as the case of `who`, with `compatible` set to yes or no.
+pub(crate) fn run_with(
+    t: &Tutorial,
+    (who, compatible): (&str, &str),
+    from: &Path,
+    granflow: &Path,
+) -> Result<(), String> {
+    let case = bench::copy_case(from, &format!("{}-{who}", t.name()))?;
     t.make_ready(&case)?;
     t.hand_over(&place(t, "theirs"), &case)?;
-    take_own_forms(&case)?;
+    take_forms(&case, compatible)?;
     logged(&["granflow", "run", ".", "-j", "1"], Some(granflow), &case, "log.run").map(|_| ())
 }
 
@@ -97,7 +104,7 @@ fn run_own(t: &Tutorial, from: &Path, granflow: &Path) -> Result<(), String> {
 fn run_finer(t: &Tutorial, k: usize, from: &Path, granflow: &Path) -> Result<(), String> {
     let case = bench::copy_case(from, &format!("{}-finer", t.name()))?;
     t.make_ready(&case)?;
-    take_own_forms(&case)?;
+    take_forms(&case, "no")?;
     finer::shorten_steps(&case, k)?;
     let parents = if t.start == Start::Mesh {
         t.hand_over(&place(t, "theirs"), &case)?;
@@ -117,7 +124,7 @@ fn run_finer(t: &Tutorial, k: usize, from: &Path, granflow: &Path) -> Result<(),
 /// Everything that `rows` reads.
 fn run(t: &Tutorial, from: &Path, granflow: &Path) -> Result<(), String> {
     t.run(from, granflow)?;
-    run_own(t, from, granflow)?;
+    run_with(t, ("own", "no"), from, granflow)?;
     times_finer(t).map_or(Ok(()), |k| run_finer(t, k, from, granflow))
 }
 

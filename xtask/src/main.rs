@@ -11,6 +11,7 @@ mod foam_field;
 mod laminar;
 mod links;
 mod meshes;
+mod moments;
 mod parse_examples;
 mod race;
 mod run;

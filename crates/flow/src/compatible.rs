@@ -4,6 +4,10 @@
 //! thesis, Imperial College (1996), sec. 3.8), is interpolated to faces as `(H/a)_f - (1/a)_f dp/dn`; old
 //! fluxes are remembered the less the further they are from the flux of the old velocities. That the mesh has no skewness
 //! is seen to where the flow is built ([`granflow_mesh::Mesh::without_skewness`]).
+//!
+//! With two fluids the memory is the same ([`crate::two_phase`]); the compression has the face's central fraction
+//! ([`crate::vof::AlgebraicParams::central_compression`]), the curvature is that of the fraction as it is (J. U. Brackbill et al.,
+//! J. Comput. Phys. 100 (1992) 335), and periodic sides are upwind on one side ([`crate::vof::GeometricParams::sides_apart`]).
 
 use crate::Flow;
 use crate::interpolation::open_share;

@@ -140,7 +140,7 @@ pub struct Numerics {
     /// Normal derivatives of density and fraction on faces, and in momentum that of the pressure beside
     /// them, where they are not the Laplacian's; of two fluids.
     pub sn_grad: Option<NormalDerivative>,
-    /// Whether a single pass has the forms of OpenFOAM's PISO solvers in place of ours.
+    /// Whether a single pass has the forms of OpenFOAM's PISO solvers, of two fluids `interFoam`'s, in place of ours.
     pub compatible: bool,
     /// Most outer iterations of a step.
     pub outer: usize,

@@ -23,7 +23,8 @@ pub(super) struct Kind {
 pub(super) fn decide(schemes: Option<&Dict>, application: &str, kind: &Kind, sink: &Sink) -> bool {
     let why_not = why_not(kind);
     let Some(dict) = schemes.filter(|d| d.get(COMPATIBLE).is_some()) else {
-        return why_not.is_none() && kind.newtonian && PEERS.contains(&application);
+        let simple = kind.newtonian && !kind.two;
+        return why_not.is_none() && simple && PEERS.contains(&application);
     };
     let r = Reader::new(dict, sink);
     let asked = r.opt_switch(COMPATIBLE, false);
@@ -35,8 +36,8 @@ pub(super) fn decide(schemes: Option<&Dict>, application: &str, kind: &Kind, sin
 
 /// What keeps the forms of OpenFOAM from being there, and what to do about it.
 fn why_not(kind: &Kind) -> Option<(&'static str, &'static str)> {
-    Some(if kind.two {
-        ("`compatible` is for one fluid", "leave it out")
+    Some(if kind.two && !kind.newtonian {
+        ("`compatible` with two fluids is for constant viscosities", "leave it out")
     } else if kind.ddt != TimeScheme::Euler {
         ("`compatible` goes with the time scheme Euler", "write `ddtSchemes { default Euler; }`")
     } else if kind.outer > 1 || kind.grains {

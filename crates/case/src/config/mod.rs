@@ -96,10 +96,12 @@ impl CaseConfig {
             sink,
             notices,
         );
+        let newtonian = |model: &str| model == "Newtonian";
         let kind = compatible::Kind {
             two: two.is_some(),
             grains: transport.grains.is_some(),
-            newtonian: transport.model == "Newtonian",
+            newtonian: newtonian(&transport.model)
+                && two.is_none_or(|second| newtonian(&second.transport.model)),
             outer: solution.outer,
             ddt: schemes.ddt,
         };
@@ -110,8 +112,7 @@ impl CaseConfig {
         }
         let vof = two.map(|two| {
             let geometric = control.application == "interIsoFoam";
-            let (alpha, scheme) = (two.alpha(), schemes.alpha);
-            vof::read(&solution_dict, &alpha, geometric, scheme, sink, notices)
+            vof::read(&solution_dict, &two.alpha(), geometric, &schemes, sink, notices)
         });
         Ok(CaseConfig { control, schemes, solution, transport, gravity, functions, vof })
     }

@@ -34,6 +34,9 @@ pub struct Schemes {
     pub convection: Convection,
     /// `div(phi,alpha)` of `divSchemes`, for algebraic transport of a volume fraction.
     pub alpha: Convection,
+    /// Whether the compression of `div(phirb,alpha)` is central where the case is `compatible`, and not
+    /// `interfaceCompression`.
+    pub central_compression: bool,
     /// `laplacianSchemes`: 1 corrected, 0 uncorrected, between: limited.
     pub non_orthogonal: f64,
     /// `snGradSchemes`, if the case has one; of two fluids.
@@ -50,6 +53,7 @@ impl Default for Schemes {
             limiter: None,
             convection: Convection::LinearUpwind,
             alpha: Convection::Limited(LimiterKind::VanLeer(1.0)),
+            central_compression: true,
             non_orthogonal: 1.0,
             sn_grad: None,
         }
@@ -85,6 +89,8 @@ impl Schemes {
             if sub.has("div(phi,alpha)") {
                 s.alpha = scheme_of(&sub, "div(phi,alpha)", s.alpha, notices);
             }
+            let compression = sub.raw("div(phirb,alpha)").and_then(|value| value.last()?.word());
+            s.central_compression = compression != Some("interfaceCompression");
             if let Some(grad) = &gradients {
                 s.read_limiter(grad, &sub, notices);
             }

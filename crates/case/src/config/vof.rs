@@ -1,10 +1,10 @@
 //! How the volume fraction moves: `solvers { "alpha.water.*" { .. } }` of `fvSolution`.
 
+use super::schemes::Schemes;
 use crate::Notices;
 use granflow_base::Dims;
 use granflow_dict::{Dict, Reader, Severity, Sink};
 use granflow_flow::vof::{AlgebraicParams, GeometricParams, Params, Reconstruct};
-use granflow_fv::Convection;
 
 /// Entries of OpenFOAM's solvers that change nothing here.
 const HARMLESS: &[&str] = &[
@@ -43,7 +43,7 @@ pub(super) fn read(
     solution: &Dict,
     alpha: &str,
     geometric: bool,
-    convection: Convection,
+    schemes: &Schemes,
     sink: &Sink,
     notices: &Notices,
 ) -> Params {
@@ -56,12 +56,12 @@ pub(super) fn read(
     let count = |key: &str, default: usize, least: i64| {
         r.opt_label_in(key, least..=i64::from(i32::MAX), default as i64) as usize
     };
-    let schemes: Vec<(&str, Reconstruct)> =
+    let known: Vec<(&str, Reconstruct)> =
         Reconstruct::NAMES.into_iter().filter_map(|n| Some((n, Reconstruct::parse(n)?))).collect();
     // interIsoFoam finds iso-surfaces unless it is told otherwise.
     let default = if geometric { Reconstruct::IsoAlpha } else { Reconstruct::PlicRdf };
     let named = r.has("reconstructionScheme");
-    let reconstruction = r.opt_one_of("reconstructionScheme", &schemes, default);
+    let reconstruction = r.opt_one_of("reconstructionScheme", &known, default);
     let (a, g) = (AlgebraicParams::default(), GeometricParams::default());
     let algebraic = AlgebraicParams {
         c_alpha: r.opt_non_negative("cAlpha", Dims::NONE, a.c_alpha),
@@ -70,7 +70,8 @@ pub(super) fn read(
         n_alpha_sub_cycles: count("nAlphaSubCycles", a.n_alpha_sub_cycles, 1),
         mules_corr: r.opt_switch("MULESCorr", a.mules_corr),
         n_limiter_iter: count("nLimiterIter", a.n_limiter_iter, 1),
-        convection,
+        central_compression: schemes.compatible && schemes.central_compression,
+        convection: schemes.alpha,
         tolerance: granflow_linsolve::Tolerance {
             abs: r.opt_positive("tolerance", Dims::NONE, a.tolerance.abs),
             ..a.tolerance
@@ -86,6 +87,7 @@ pub(super) fn read(
         snap_tol: r.opt_non_negative("snapTol", Dims::NONE, g.snap_tol),
         clip: r.opt_switch("clip", g.clip),
         n_alpha_sub_cycles: algebraic.n_alpha_sub_cycles,
+        sides_apart: schemes.compatible,
     };
     r.finish(Severity::Warning);
     if geometric || named { Params::Geometric(cut) } else { Params::Algebraic(algebraic) }

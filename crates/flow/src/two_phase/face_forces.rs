@@ -266,7 +266,7 @@ impl Flow {
     /// The jumps that weight and surface tension ask for, with the interface as it stands.
     /// Conditions of alpha are up to date on return.
     pub(crate) fn update_face_forces(&mut self) {
-        let Flow { exec, mesh, state, two_phase, gravity, fluid, .. } = self;
+        let Flow { exec, mesh, state, two_phase, gravity, fluid, numerics, .. } = self;
         let State { alpha, time, phi, .. } = state;
         let (Some(two), Some(alpha)) = (two_phase, alpha) else { return };
         let TwoPhase { work: t, sigma, rho_2, vof, .. } = &mut **two;
@@ -277,7 +277,7 @@ impl Flow {
         };
         alpha.update(exec, mesh, &around, Some(phi));
         if *sigma != 0.0 {
-            t.tension.update(exec, mesh, alpha, vof);
+            t.tension.update(exec, mesh, alpha, (vof, numerics.compatible));
         }
         t.levels.update(exec, mesh, alpha);
         let weighs = gravity.hydrostatic != [0.0; 3];
@@ -303,7 +303,7 @@ impl Flow {
                     *jump -= levels.on_face(mesh, f) * d_rho;
                 }
                 if sigma != 0.0 && d_alpha != 0.0 {
-                    *jump += sigma * tension.on_face(mesh, f) * d_alpha;
+                    *jump += sigma * tension.on_face(f) * d_alpha;
                 }
             }
         });

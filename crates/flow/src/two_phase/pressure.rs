@@ -7,6 +7,7 @@
 //! its right-hand side vanishes with the imbalance, whatever the size of the pressure.
 
 use super::TwoPhase;
+use crate::compatible::remembered;
 use crate::pressure::share_of_correction;
 use crate::{Flow, StepError};
 use granflow_base::{Value, Vec3, dot};
@@ -102,7 +103,7 @@ impl Flow {
         let Flow { exec, mesh, state, numerics, work: w, two_phase, .. } = self;
         let Some(two) = two_phase else { return };
         let TwoPhase { work: t, .. } = &mut **two;
-        let n = mesh.n_cells;
+        let (n, compatible) = (mesh.n_cells, numerics.compatible);
         w.u_eqn.jacobi(exec, &state.u.cells.data, &mut w.hby_a[..n]);
         crate::momentum::keep_solved(exec, mesh, &mut w.hby_a);
         mesh.halo.update(exec, &mut w.hby_a);
@@ -111,7 +112,8 @@ impl Flow {
             numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
         }
         let (h, ahead) = (&w.hby_a, &w.ahead.data);
-        let (rho, r_a) = (&t.rho_old.data, &w.r_a.data);
+        let (rho, r_a) = (if compatible { &w.rho.data } else { &t.rho_old.data }, &w.r_a.data);
+        let (start, limited) = (&w.phi_start, compatible);
         let (u, open, grad_u) = (&state.u, &t.forces.open, &w.grad_u);
         exec.for_each(&mut t.base.data, |first, out| {
             for (i, phi) in out.iter_mut().enumerate() {
@@ -129,7 +131,8 @@ impl Flow {
                     *phi += dot(operators::skew_part::<Vec3>(mesh, grad_u, f), mesh.area[f]);
                 }
                 let memory = w * rho[o] * r_a[o] + (1.0 - w) * rho[nb] * r_a[nb];
-                *phi += memory / dt * ahead[f];
+                let kept = if limited { remembered(start[f], ahead[f]) } else { 1.0 };
+                *phi += kept * (memory / dt) * ahead[f];
             }
         });
         self.take_frames_from_base();

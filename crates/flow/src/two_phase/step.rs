@@ -27,11 +27,11 @@ impl Flow {
 
     /// Density and conditions that follow from the volume fraction in the state.
     pub(crate) fn refresh_mixture(&mut self) {
-        let Flow { exec, mesh, state, two_phase, .. } = self;
+        let Flow { exec, mesh, state, two_phase, numerics, .. } = self;
         let State { alpha, time, .. } = state;
         let (Some(two), Some(alpha)) = (two_phase, alpha) else { return };
         let around = Surroundings { time: *time, ..Surroundings::default() };
-        two.work.tension.meet_walls(exec, mesh, alpha, &around);
+        two.work.tension.meet_walls(exec, mesh, alpha, (&around, numerics.compatible));
         self.mix_density();
     }
 

@@ -27,6 +27,7 @@ pub(crate) struct SurfaceTension {
     gradient: Vec<Vec3>,
     /// The volume fraction, smoothed, under its own conditions.
     smooth: Vec<f64>,
+    /// Smoothed fractions on faces, then the curvature there, 1/m.
     faces: Vec<f64>,
     /// Whether the mean of a cell's faces takes the face: inner ones, and those with a contact angle.
     takes: Vec<bool>,
@@ -65,7 +66,7 @@ impl SurfaceTension {
         exec: &Exec,
         mesh: &Mesh,
         alpha: &mut Unknown<f64>,
-        around: &Surroundings<'_>,
+        (around, compatible): (&Surroundings<'_>, bool),
     ) {
         self.contact_gradient.fill(0.0);
         alpha.update(exec, mesh, around, None);
@@ -76,9 +77,15 @@ impl SurfaceTension {
             Gradient::GaussLinear.of(exec, mesh, alpha, &mut self.gradient);
             for (patch, condition) in mesh.patches.iter().zip(&alpha.conditions) {
                 let Some(angle) = condition.contact_angle() else { continue };
-                for f in patch.faces.clone() {
-                    let g = self.gradient[mesh.owner[f] as usize];
-                    self.contact_gradient[f - mesh.n_inner] = angle.cos() * norm(g);
+                let first = patch.faces.start - mesh.n_inner;
+                let out = &mut self.contact_gradient[first..][..patch.faces.len()];
+                let gradient = |f: usize| self.gradient[mesh.owner[f] as usize];
+                let faces = patch.faces.clone().zip(out);
+                if compatible {
+                    let along = |f| in_plane(gradient(f), mesh.normal(f));
+                    faces.for_each(|(f, out)| *out = norm(along(f)) / angle.tan());
+                } else {
+                    faces.for_each(|(f, out)| *out = angle.cos() * norm(gradient(f)));
                 }
             }
             let around = Surroundings { contact_gradient: &self.contact_gradient, ..*around };
@@ -86,13 +93,14 @@ impl SurfaceTension {
         }
     }
 
-    /// Curvature of the interface; the conditions of `alpha` are up to date.
+    /// Curvature of the interface, in cells and on faces; the conditions of `alpha` are up to date. What is
+    /// `compatible` is that of algebraic transport without smoothing, and linear between cells.
     pub(crate) fn update(
         &mut self,
         exec: &Exec,
         mesh: &Mesh,
         alpha: &mut Unknown<f64>,
-        vof: &mut Vof,
+        (vof, compatible): (&mut Vof, bool),
     ) {
         let a = &alpha.cells.data;
         exec.for_each(&mut self.weight, |first, out| {
@@ -102,7 +110,9 @@ impl SurfaceTension {
             }
         });
         match vof {
-            Vof::Algebraic(_) => self.curve_smoothed(exec, mesh, alpha),
+            Vof::Algebraic(_) => {
+                self.curve_smoothed(exec, mesh, alpha, if compatible { 0 } else { SMOOTHINGS });
+            }
             Vof::Geometric(vof) => {
                 self.find_cosines(mesh, alpha);
                 let curvature = vof.curvature(exec, mesh, &alpha.cells.data, &self.cosine).0;
@@ -110,6 +120,8 @@ impl SurfaceTension {
                 mesh.halo.update(exec, &mut self.curvature);
             }
         }
+        let algebraic = matches!(vof, Vof::Algebraic(_));
+        self.put_on_faces(exec, mesh, compatible && algebraic);
     }
 
     /// The angles at which walls are met. Where a wall or a plane of symmetry says nothing else, the
@@ -130,14 +142,20 @@ impl SurfaceTension {
 
     /// Curvature `-div(n)` with the normals `n = grad alpha/|grad alpha|` of the faces, for fractions
     /// that are smeared over some cells, where no plane tells where the interface is.
-    fn curve_smoothed(&mut self, exec: &Exec, mesh: &Mesh, alpha: &mut Unknown<f64>) {
+    fn curve_smoothed(
+        &mut self,
+        exec: &Exec,
+        mesh: &Mesh,
+        alpha: &mut Unknown<f64>,
+        smoothings: usize,
+    ) {
         for (patch, condition) in mesh.patches.iter().zip(&alpha.conditions) {
             self.takes[patch.faces.clone()].fill(condition.contact_angle().is_some());
         }
         // The conditions hold for the smoothed fraction too: it takes the place of the other.
         self.smooth.copy_from_slice(&alpha.cells.data);
         std::mem::swap(&mut self.smooth, &mut alpha.cells.data);
-        for _ in 0..SMOOTHINGS {
+        for _ in 0..smoothings {
             self.smoothen(exec, mesh, alpha);
         }
         Gradient::GaussLinear.of(exec, mesh, alpha, &mut self.gradient);
@@ -185,7 +203,7 @@ impl SurfaceTension {
             for f in patch.faces.clone() {
                 let o = mesh.owner[f] as usize;
                 let n = mesh.normal(f);
-                let along = add(gradient[o], scale(n, -dot(gradient[o], n)));
+                let along = in_plane(gradient[o], n);
                 let size = norm(gradient[o]);
                 let cosine = match angle {
                     Some(angle) => angle.cos() * size / (size + least),
@@ -208,17 +226,37 @@ impl SurfaceTension {
         mesh.halo.update(exec, curvature);
     }
 
+    /// The curvature of the cells on their faces: that of the interface, which cells know the better the more
+    /// they have of it, or linear between their centres.
+    fn put_on_faces(&mut self, exec: &Exec, mesh: &Mesh, linear: bool) {
+        let SurfaceTension { faces, curvature, weight, .. } = self;
+        let share = |f: usize, o: usize, n: usize| match linear {
+            true => (mesh.weight[f], 1.0 - mesh.weight[f]),
+            false => (weight[o], weight[n]),
+        };
+        exec.for_each(&mut faces[..mesh.n_inner], |first, out| {
+            for (i, k) in out.iter_mut().enumerate() {
+                let f = first + i;
+                let (o, n) = (mesh.owner[f] as usize, mesh.neighbour[f] as usize);
+                let (w, v) = share(f, o, n);
+                *k = (w * curvature[o] + v * curvature[n]) / (w + v);
+            }
+        });
+        exec.for_each(&mut faces[mesh.n_inner..], |first, out| {
+            for (i, k) in out.iter_mut().enumerate() {
+                *k = curvature[mesh.owner[mesh.n_inner + first + i] as usize];
+            }
+        });
+    }
+
     /// Curvature on face `f`, 1/m.
     #[inline]
-    pub(crate) fn on_face(&self, mesh: &Mesh, f: usize) -> f64 {
-        let o = self.curvature[mesh.owner[f] as usize];
-        match mesh.neighbour.get(f) {
-            Some(&n) => {
-                let n = n as usize;
-                let (w, v) = (self.weight[mesh.owner[f] as usize], self.weight[n]);
-                (w * o + v * self.curvature[n]) / (w + v)
-            }
-            None => o,
-        }
+    pub(crate) fn on_face(&self, f: usize) -> f64 {
+        self.faces[f]
     }
+}
+
+/// What of `v` lies in the plane with the unit normal `n`.
+fn in_plane(v: Vec3, n: Vec3) -> Vec3 {
+    add(v, scale(n, -dot(v, n)))
 }

@@ -31,6 +31,9 @@ pub struct AlgebraicParams {
     /// Whether the upwind step is implicit, so that it is bounded at any Courant number
     /// (`MULESCorr`, false). An explicit one is up to 1.
     pub mules_corr: bool,
+    /// Whether the compression has the central fraction of the face everywhere, as OpenFOAM's `div(phirb,alpha)
+    /// Gauss linear` has, and not only in the middle of the interface (false).
+    pub central_compression: bool,
     /// Passes of the limiter (`nLimiterIter`, 3).
     pub n_limiter_iter: usize,
     /// Scheme of `div(phi,alpha)` (vanLeer).
@@ -47,6 +50,7 @@ impl Default for AlgebraicParams {
             n_alpha_corr: 1,
             n_alpha_sub_cycles: 1,
             mules_corr: false,
+            central_compression: false,
             n_limiter_iter: 3,
             convection: Convection::Limited(LimiterKind::VanLeer(1.0)),
             tolerance: Tolerance { abs: 1e-12, rel: 0.0, max_iter: 200 },
@@ -268,6 +272,7 @@ impl Algebraic {
             gradient,
             speed,
             least_gradient: self.least_gradient,
+            least_centrality: if params.central_compression { 1.0 } else { 0.0 },
         };
         let a = &alpha.cells.data;
         exec.for_each(&mut correction.data[..mesh.n_inner], |first, out| {

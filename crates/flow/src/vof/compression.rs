@@ -19,6 +19,8 @@ pub(super) struct Compression<'a> {
     pub(super) speed: &'a [f64],
     /// Gradient below which there is no interface, 1/m.
     pub(super) least_gradient: f64,
+    /// Least share of central interpolation.
+    pub(super) least_centrality: f64,
 }
 
 impl Compression<'_> {
@@ -40,7 +42,7 @@ impl Compression<'_> {
         // Fluid 1 comes from one side and fluid 2 from the other.
         let (up, down) = if phi_r >= 0.0 { (alpha[o], alpha[n]) } else { (alpha[n], alpha[o]) };
         let linear = w * alpha[o] + (1.0 - w) * alpha[n];
-        let k = centrality(alpha[o]).min(centrality(alpha[n]));
+        let k = centrality(alpha[o]).min(centrality(alpha[n])).max(self.least_centrality);
         let one = k * linear + (1.0 - k) * up;
         let other = k * (1.0 - linear) + (1.0 - k) * (1.0 - down);
         phi_r * one * other

@@ -15,7 +15,7 @@ use super::stencil::Stencil;
 use super::{Drive, VofError, VofReport, bounds_of, outflow, volume_of};
 use granflow_base::{Dims, Vec3, add, apply, dot, inverse_symmetric, scale};
 use granflow_fv::{FaceField, Unknown};
-use granflow_mesh::{Mesh, PolyMesh};
+use granflow_mesh::{Mesh, PatchKind, PolyMesh, PolyPatch};
 use granflow_par::Exec;
 use std::cell::RefCell;
 
@@ -38,6 +38,9 @@ pub struct GeometricParams {
     pub clip: bool,
     /// Steps the time step is divided into (`nAlphaSubCycles`, 1).
     pub n_alpha_sub_cycles: usize,
+    /// Whether cells behind a periodic side receive the fraction of the cell before it, whatever its plane sends
+    /// through the side: what v1912 does, where volume is lost or made there (false).
+    pub sides_apart: bool,
 }
 
 impl Default for GeometricParams {
@@ -49,6 +52,7 @@ impl Default for GeometricParams {
             snap_tol: 1e-16,
             clip: false,
             n_alpha_sub_cycles: 1,
+            sides_apart: false,
         }
     }
 }
@@ -68,7 +72,7 @@ pub struct Geometric {
     /// Iterations that the interface took.
     iterations: usize,
     curvature: Curvature,
-    /// Inner faces behind which lie ghosts.
+    /// Inner faces behind which lie ghosts whose planes tell what comes in.
     coupled_faces: Vec<u32>,
     /// Velocity in the cells near the interface, wide, m/s.
     velocity: Vec<Vec3>,
@@ -109,7 +113,10 @@ impl Geometric {
         let reconstructor =
             Reconstructor::new(mesh, &stencil, params.reconstruction, params.surf_cell_tol);
         let (n, all, faces) = (stencil.n_cells, stencil.n_all, mesh.n_faces());
-        let ghost = |&f: &u32| mesh.neighbour[f as usize] as usize >= n;
+        let apart = params.sides_apart;
+        let ghost = |&f: &u32| {
+            mesh.neighbour[f as usize] as usize >= n && !(apart && is_periodic(poly, mesh, f))
+        };
         Ok(Geometric {
             params,
             curvature: Curvature::new(&stencil),
@@ -392,6 +399,13 @@ impl Geometric {
         });
         most.max(0.0)
     }
+}
+
+/// Whether face `f` is one of a periodic side, whoever holds the cell behind it.
+fn is_periodic(poly: &PolyMesh, mesh: &Mesh, f: u32) -> bool {
+    let face = (mesh.poly_face[f as usize] >> 1) as usize;
+    let cyclic = |p: &&PolyPatch| matches!(p.kind, PatchKind::Cyclic { .. });
+    poly.patches.iter().filter(cyclic).any(|p| p.faces().contains(&face))
 }
 
 /// Faces through which fluid leaves cell `c`.
