@@ -99,7 +99,6 @@ bad! {
     compatible_with_crank_nicolson: dam().edit(SCHEMES, "default Euler", "default CrankNicolson 0.9").edit(SCHEMES, "ddtSchemes", "compatible yes;\nddtSchemes");
     compatible_with_outer_passes_of_two_phases: dam().edit(SCHEMES, "ddtSchemes", "compatible yes;\nddtSchemes").edit(SOLUTION, "nCorrectors", "nOuterCorrectors 2; nCorrectors");
     compatible_with_backward: cavity().edit(SCHEMES, "ddtSchemes { default Euler; }", "compatible yes;\nddtSchemes { default backward; }");
-    compatible_with_a_law: cavity().edit(SCHEMES, "ddtSchemes", "compatible yes;\nddtSchemes").write("constant/transportProperties", "transportModel Bingham; BinghamCoeffs { nu 1e-3; tau0 1e-3; }\n");
     compatible_with_outer_passes: cavity().edit(SCHEMES, "ddtSchemes", "compatible yes;\nddtSchemes").edit(SOLUTION, "PISO", "PIMPLE").edit(SOLUTION, "nCorrectors     2;", "nCorrectors     2;\n    nOuterCorrectors 5;");
     compatible_is_a_switch: cavity().edit(SCHEMES, "ddtSchemes", "compatible foam;\nddtSchemes");
     unknown_convection_scheme: cavity().edit(SCHEMES, "div(phi,U)      Gauss linear;", "div(phi,U) Gauss vanLear;");
