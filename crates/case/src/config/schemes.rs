@@ -34,9 +34,9 @@ pub struct Schemes {
     pub convection: Convection,
     /// `div(phi,alpha)` of `divSchemes`, for algebraic transport of a volume fraction.
     pub alpha: Convection,
-    /// Whether the compression of `div(phirb,alpha)` is central where the case is `compatible`, and not
-    /// `interfaceCompression`.
-    pub central_compression: bool,
+    /// Whether the case asks for a compression that is central everywhere (`div(phirb,alpha) Gauss linear`), which it has where it is
+    /// `compatible`, or for `interfaceCompression`.
+    pub central_compression: Option<bool>,
     /// `laplacianSchemes`: 1 corrected, 0 uncorrected, between: limited.
     pub non_orthogonal: f64,
     /// `snGradSchemes`, if the case has one; of two fluids.
@@ -53,7 +53,7 @@ impl Default for Schemes {
             limiter: None,
             convection: Convection::LinearUpwind,
             alpha: Convection::Limited(LimiterKind::VanLeer(1.0)),
-            central_compression: true,
+            central_compression: None,
             non_orthogonal: 1.0,
             sn_grad: None,
         }
@@ -90,7 +90,7 @@ impl Schemes {
                 s.alpha = scheme_of(&sub, "div(phi,alpha)", s.alpha, notices);
             }
             let compression = sub.raw("div(phirb,alpha)").and_then(|value| value.last()?.word());
-            s.central_compression = compression != Some("interfaceCompression");
+            s.central_compression = compression.map(|scheme| scheme != "interfaceCompression");
             if let Some(grad) = &gradients {
                 s.read_limiter(grad, &sub, notices);
             }

@@ -70,7 +70,7 @@ pub(super) fn read(
         n_alpha_sub_cycles: count("nAlphaSubCycles", a.n_alpha_sub_cycles, 1),
         mules_corr: r.opt_switch("MULESCorr", a.mules_corr),
         n_limiter_iter: count("nLimiterIter", a.n_limiter_iter, 1),
-        central_compression: schemes.compatible && schemes.central_compression,
+        central_compression: schemes.compatible && schemes.central_compression != Some(false),
         convection: schemes.alpha,
         tolerance: granflow_linsolve::Tolerance {
             abs: r.opt_positive("tolerance", Dims::NONE, a.tolerance.abs),
@@ -90,5 +90,14 @@ pub(super) fn read(
         sides_apart: schemes.compatible,
     };
     r.finish(Severity::Warning);
-    if geometric || named { Params::Geometric(cut) } else { Params::Algebraic(algebraic) }
+    if geometric || named {
+        return Params::Geometric(cut);
+    }
+    if schemes.central_compression == Some(true) && !schemes.compatible {
+        notices.say(
+            "fvSchemes: the compression of `div(phirb,alpha)` is central in the middle of an interface only; \
+             with `compatible yes;` it is so everywhere",
+        );
+    }
+    Params::Algebraic(algebraic)
 }
