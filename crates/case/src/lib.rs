@@ -42,7 +42,7 @@ pub use case::{Case, From, Options};
 pub use config::CaseConfig;
 pub use error::CaseError;
 pub use notices::Notices;
-pub use run::{End, Event, Run, StepEvent};
+pub use run::{End, Event, Run, Shortened, StepEvent};
 pub use superseded::{SUPERSEDED, SetAside};
 pub use tensile::Tensile;
 pub use waves::WaveTable;

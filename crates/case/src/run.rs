@@ -1,6 +1,9 @@
 //! A case that computes, writes and reports, one step at a time.
 
 mod acting;
+mod retry;
+
+pub use retry::Shortened;
 
 use crate::config::WriteControl;
 use crate::functions::schedule::{Moment, passes};
@@ -49,6 +52,8 @@ pub struct StepEvent {
     pub report: Report,
     /// Steps since time zero.
     pub step: usize,
+    /// Longer steps that failed before it.
+    pub shortened: Vec<Shortened>,
     /// Where grains are pulled apart: once in a run, when it first comes to such a state.
     pub tensile: Option<Tensile>,
     /// The time directory written at its end.
@@ -210,9 +215,8 @@ impl Run {
         if self.settled || left < 0.5 * dt || left < SLIVER * self.dt {
             return self.over();
         }
-        let report = match self.crew.worker.order(Order::Step(dt)) {
-            Ok(Answer::Stepped(report)) => *report,
-            Ok(_) => Report::default(),
+        let (report, dt, shortened) = match self.step(dt) {
+            Ok(done) => done,
             // Whoever goes on from here takes this step again, by the same rule from the same length.
             Err(StepError::Interrupted { .. }) => {
                 self.dt = dt_before;
@@ -254,6 +258,7 @@ impl Run {
         Ok(Event::Step(Box::new(StepEvent {
             report,
             step,
+            shortened,
             tensile,
             wrote,
             wall: self.clock.seconds(),

@@ -187,6 +187,24 @@ fn a_failed_step_leaves_the_state_before_it() {
     }
 }
 
+/// The lid is mad at 0.025 s, where a step of the longest length ends: shorter ones pass it by.
+#[test]
+fn an_adjusted_step_that_fails_is_taken_again_shorter() {
+    let dir = cavity_case(4);
+    let lid = "type uniformFixedValue; uniformValue table ((0 (1 0 0)) (0.02499 (1 0 0)) \
+               (0.025 (1e200 0 0)) (0.02501 (1 0 0)) (1 (1 0 0)));";
+    put(dir.path(), "0/U", &CAVITY_U.replace("type fixedValue; value uniform (1 0 0);", lid));
+    let (sink, notices) = (granflow_dict::Sink::new(), granflow_case::Notices::new());
+    let adjusted = "adjustTimeStep yes; maxCo 1000; maxDeltaT 0.005;";
+    put(dir.path(), "system/controlDict", &format!("{CONTROL} {adjusted}"));
+    let run = try_run(dir.path(), &until(0.05), &sink, &notices).unwrap();
+    assert!((run.time() - 0.05).abs() < 1e-12 && run.flow().state.step > 10);
+    let log = read(dir.path(), "log.jsonl");
+    let again: Vec<&str> = log.lines().filter(|l| l.contains("\"again\":0.00125")).collect();
+    assert_eq!(again.len(), 1, "{log}");
+    assert!(again[0].contains("\"dt\":0.005"), "{}", again[0]);
+}
+
 #[test]
 fn a_case_without_a_mesh_makes_it_and_starts_from_0_orig() {
     let dir = cavity_case(4);

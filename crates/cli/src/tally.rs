@@ -3,7 +3,7 @@
 use crate::session::Session;
 use crate::text::{count, duration, number, place, residual, rounded};
 use granflow_case::config::Solution;
-use granflow_case::{Case, StepEvent, Tensile};
+use granflow_case::{Case, Shortened, StepEvent, Tensile};
 use granflow_flow::{Residuals, SolveCount};
 use granflow_physics::rheology::{Beyond, Posedness};
 use std::path::Path;
@@ -198,6 +198,11 @@ pub(crate) fn pulled_apart(t: &Tensile, time: f64) -> String {
         t.cell,
         at(t.place),
     )
+}
+
+/// What to say of a step that failed and was taken again.
+pub(crate) fn taken_again(s: &Shortened) -> String {
+    format!("warning: a step of {} s failed and was taken again, shorter: {}", number(s.dt), s.why)
 }
 
 /// What to say where mu(I) alone lets disturbances grow without bounds.

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 use crate::progress::Progress;
 use crate::session::Session;
 use crate::signals::Signals;
-use crate::tally::{Tally, pulled_apart};
+use crate::tally::{Tally, pulled_apart, taken_again};
 use crate::text::{count, rounded, shown};
 use granflow_case::store::{CaseLock, Stale, clean_stale};
 use granflow_case::{Case, End, Event, From, Options, Run, SetAside};
@@ -66,6 +66,9 @@ pub(crate) fn command(session: &mut Session, args: &args::Run) -> Result<(), Fai
         match run.advance() {
             Ok(Event::Step(event)) => {
                 tally.note(&event);
+                for s in &event.shortened {
+                    progress.warn(&session.out, &taken_again(s));
+                }
                 if let Some(t) = &event.tensile {
                     progress.warn(&session.out, &pulled_apart(t, event.report.time));
                 }

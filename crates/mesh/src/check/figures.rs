@@ -107,20 +107,21 @@ fn flatness(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
     report.quality.flatness = all.pair();
 }
 
-/// The direction that the mesh is not solved in, if it is plane or a wedge.
-fn flat_axis(poly: &PolyMesh, g: &Geometry) -> Option<usize> {
-    let flat =
-        |p: &&crate::polymesh::PolyPatch| matches!(p.kind, PatchKind::Empty | PatchKind::Wedge);
+/// Of the area of faces to other cells: less than that along an axis is rounding.
+const NOTHING: f64 = 1e-6;
+
+/// The axes along which no cell has a neighbour: where a mesh is one cell thick.
+fn single(g: &Geometry, faces: impl Iterator<Item = usize>) -> [bool; 3] {
     let mut sum = [0.0f64; 3];
-    for f in poly.patches.iter().filter(flat).flat_map(|p| p.faces()) {
+    for f in faces {
         (0..3).for_each(|k| sum[k] += g.area[f][k].abs());
     }
-    let axis = (0..3).max_by(|a, b| sum[*a].total_cmp(&sum[*b]))?;
-    (sum[axis] > 0.0).then_some(axis)
+    let most = sum.iter().fold(0.0f64, |m, s| m.max(*s));
+    sum.map(|s| s <= NOTHING * most)
 }
 
 /// `det(sum S S/A^2)/8` over the faces to other cells, `A` their mean area: 1 of a cube among cubes, and 0
-/// where these faces do not span space. The direction that is not solved in counts as 1.
+/// where these faces do not span space. An axis along which no cell has a neighbour counts as 1.
 fn determinants(
     poly: &PolyMesh,
     g: &Geometry,
@@ -128,8 +129,8 @@ fn determinants(
     (ptr, links): (&[u32], &[u32]),
     report: &mut CheckReport,
 ) {
-    let axis = flat_axis(poly, g);
     let joins = |f: usize| f < poly.n_inner() || partner[f - poly.n_inner()].is_some();
+    let single = single(g, (0..poly.n_faces()).filter(|f| joins(*f)));
     let (mut all, mut poor) = (Spread::NONE, Worst::new());
     for c in 0..g.volume.len() {
         let faces = links[ptr[c] as usize..ptr[c + 1] as usize].iter().map(|e| (e >> 1) as usize);
@@ -140,7 +141,7 @@ fn determinants(
             let s = scale(*s, 1.0 / mean.max(f64::MIN_POSITIVE));
             (0..9).for_each(|k| m[k] += s[k / 3] * s[k % 3]);
         }
-        if let Some(axis) = axis {
+        for axis in (0..3).filter(|k| single[*k]) {
             (0..3).for_each(|k| (m[3 * axis + k], m[3 * k + axis]) = (0.0, 0.0));
             m[4 * axis] = 1.0;
         }
