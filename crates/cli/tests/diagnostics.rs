@@ -111,6 +111,9 @@ bad! {
     negative_tolerance: cavity().edit(SOLUTION, "relTol          0.01;", "relTol          -0.01;");
     no_correctors: cavity().edit(SOLUTION, "nCorrectors     2;", "nCorrectors     0;");
     reference_cell_outside: cavity().edit(SOLUTION, "pRefCell        0;", "pRefCell        16;");
+    compression_misspelt: dam().edit(SCHEMES, "div(phirb,alpha) Gauss linear;", "div(phirb,alpha) Gauss linaer;");
+    gradient_by_a_misspelt_interpolation: cavity().edit(SCHEMES, "gradSchemes { default Gauss linear; }", "gradSchemes { default Gauss linaer; }");
+    gradient_limiter_without_its_number: cavity().edit(SCHEMES, "gradSchemes { default Gauss linear; }", "gradSchemes { default Gauss linear; grad(U) cellLimited Gauss linear; }");
     limited_without_its_number: cavity().edit(SCHEMES, "snGradSchemes { default corrected; }", "snGradSchemes { default limited; }");
     limited_laplacian_without_its_number: cavity().edit(SCHEMES, "Gauss linear corrected", "Gauss linear limited corrected");
     grains_without_pressure_level: ring().edit(SOLUTION, "    pRefCell    0;\n    pRefValue   75;\n", "");

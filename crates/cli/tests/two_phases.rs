@@ -287,3 +287,33 @@ fn gauges_see_how_high_water_stands() {
     assert_eq!(run.status.code(), Some(2), "{said}");
     assert!(said.contains("no vertical through location 0 at (9 0 0) meets the mesh"), "{said}");
 }
+
+/// The cells of a mesh that is long in x are numbered anew inside; what passes its periodic sides must find the cells behind them.
+#[test]
+fn water_passes_periodic_sides_of_a_renumbered_mesh() {
+    let case = Case::below("compatible", "periodic");
+    let edited = |file: &str, edits: &[(&str, &str)]| {
+        let text = edits.iter().fold(case.read(file), |text, (from, to)| {
+            assert!(text.contains(from), "{file}: {from}");
+            text.replace(from, to)
+        });
+        case.put(file, text.as_bytes());
+    };
+    edited("system/blockMeshDict", &[("(10 10 1)", "(40 10 1)")]);
+    edited(
+        "system/controlDict",
+        &[("deltaT 0.02", "deltaT 0.005"), ("writeInterval 20", "writeInterval 80")],
+    );
+    ran(&case, &["run", "-j", "1"]);
+    let field = case.read("0.4/alpha.water");
+    let (_, list) = field.split_once("internalField").unwrap();
+    let (list, _) = list.split_once("boundaryField").unwrap();
+    let words = list[list.find('(').unwrap() + 1..].split_whitespace();
+    let alpha: Vec<f64> = words.map_while(|w| w.parse().ok()).collect();
+    assert_eq!(alpha.len(), 400);
+    // 12 x 4 cells and 4 half full ones. A digit of ten is lost in each.
+    let water: f64 = alpha.iter().sum();
+    assert!((water - 50.0).abs() < 1e-7, "{water}");
+    // It has come through the side.
+    assert!((0..10).any(|j| alpha[40 * j] > 0.5), "{alpha:?}");
+}

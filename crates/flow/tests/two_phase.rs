@@ -46,7 +46,9 @@ fn still_water_stays_still_on_skewed_meshes() {
                 }
                 let of = |compatible| still(degrees, upwards, geometric, compatible);
                 for most in [false, true].map(of) {
-                    println!("{degrees} degrees, up {upwards}, geometric {geometric}: {most:e} m/s");
+                    println!(
+                        "{degrees} degrees, up {upwards}, geometric {geometric}: {most:e} m/s"
+                    );
                     assert!(most <= 1e-10, "{degrees} degrees: {most:e} m/s");
                 }
             }

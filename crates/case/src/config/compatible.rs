@@ -1,7 +1,7 @@
 //! Whose forms a single pass has: ours, or those of OpenFOAM's PISO solvers where a case is made for one of these
 //! or `compatible yes;` asks for them.
 
-use crate::config::schemes::COMPATIBLE;
+use super::schemes::{COMPATIBLE, unknown};
 use granflow_dict::{Dict, Reader, Sink};
 use granflow_flow::TimeScheme;
 
@@ -48,4 +48,26 @@ fn why_not(kind: &Kind) -> Option<(&'static str, &'static str)> {
     } else {
         return None;
     })
+}
+
+/// Whether `div(phirb,alpha)` asks for a compression that is central everywhere, if it is there.
+pub(super) fn compression(r: &Reader<'_>) -> Option<bool> {
+    const KEY: &str = "div(phirb,alpha)";
+    let mut t = r.has(KEY).then(|| r.tokens(KEY)).flatten()?;
+    let mut at = t.here();
+    let mut word = t.word("the scheme of the compression");
+    if word == "Gauss" {
+        at = t.here();
+        word = t.word("the scheme of the compression");
+    }
+    match word {
+        "linear" => Some(true),
+        // With the limiter of the convection behind it, perhaps.
+        "interfaceCompression" => Some(false),
+        "" | "none" => None,
+        _ => {
+            unknown(&t, &at, "compression", word, &["linear", "interfaceCompression"]);
+            None
+        }
+    }
 }

@@ -7,6 +7,7 @@ mod compatible;
 mod control;
 mod corrections;
 mod forbidden;
+mod gradients;
 pub(crate) mod mrf;
 mod schemes;
 mod solution;

@@ -2,7 +2,7 @@
 //!
 //! Defaults: Euler, Gauss linear, linearUpwind, corrected.
 
-use super::corrections;
+use super::{compatible, corrections, gradients};
 use crate::Notices;
 use granflow_dict::{Dict, Key, Reader, Severity, Sink, TokenReader, Value, nearest};
 use granflow_flow::{LocalSteps, NormalDerivative, TimeScheme};
@@ -79,18 +79,17 @@ impl Schemes {
         }
         let gradients = r.opt_sub("gradSchemes");
         if let Some(sub) = &gradients {
-            let key = first_of(sub, &["default", "grad(U)", "grad(p)", "grad(p_rgh)"]);
-            s.gradient = key.map_or(s.gradient, |k| gradient(sub, k, notices).0);
-            let key = first_of(sub, &["grad(p)", "grad(p_rgh)"]);
-            s.gradient_p = key.map_or(s.gradient, |k| gradient(sub, k, notices).0);
+            let key = first_of(sub, &["grad(U)", "default", "grad(p)", "grad(p_rgh)"]);
+            s.gradient = key.map_or(s.gradient, |k| gradients::read(sub, k, notices).0);
+            let key = first_of(sub, &["grad(p)", "grad(p_rgh)", "default"]);
+            s.gradient_p = key.map_or(s.gradient, |k| gradients::read(sub, k, notices).0);
         }
         if let Some(sub) = r.opt_sub("divSchemes") {
             s.convection = divergence(&sub, notices);
             if sub.has("div(phi,alpha)") {
                 s.alpha = scheme_of(&sub, "div(phi,alpha)", s.alpha, notices);
             }
-            let compression = sub.raw("div(phirb,alpha)").and_then(|value| value.last()?.word());
-            s.central_compression = compression.map(|scheme| scheme != "interfaceCompression");
+            s.central_compression = compatible::compression(&sub);
             if let Some(grad) = &gradients {
                 s.read_limiter(grad, &sub, notices);
             }
@@ -132,7 +131,7 @@ impl Schemes {
         let named = named.filter(|name| gradients.has(name));
         let keys: Vec<&str> = named.into_iter().chain(["grad(U)", "default"]).collect();
         let Some(key) = first_of(gradients, &keys) else { return };
-        self.limiter = gradient(gradients, key, &Notices::default()).1;
+        self.limiter = gradients::read(gradients, key, &Notices::default()).1;
         if self.limiter.is_some() && key == "default" {
             notices.say(
                 "gradSchemes: the gradient that convection extrapolates with is limited, those of pressure \
@@ -249,51 +248,6 @@ fn ddt(r: &Reader<'_>, key: &str, (two, grains): (bool, bool)) -> TimeScheme {
 
 /// Steps of `localEuler` where `fvSolution` says nothing.
 pub(super) const LOCAL: LocalSteps = LocalSteps { courant: 0.9, longest: 1e30, growth: 0.1 };
-
-fn gradient(
-    r: &Reader<'_>,
-    key: &str,
-    notices: &Notices,
-) -> (GradientKind, Option<GradientLimiter>) {
-    let Some(mut t) = r.tokens(key) else { return (GradientKind::GaussLinear, None) };
-    let mut at = t.here();
-    let mut word = t.word("the gradient scheme");
-    let limit = GradientLimiter::NAMES.iter().find(|(name, _)| *name == word).map(|(_, l)| *l);
-    if limit.is_some() {
-        at = t.here();
-        word = t.word("the gradient scheme");
-    }
-    let kind = match word {
-        "Gauss" => match t.opt_word() {
-            None | Some("linear") => GradientKind::GaussLinear,
-            Some(other) => {
-                notices.say(format!("gradSchemes: `Gauss {other}` is served by `Gauss linear`"));
-                GradientKind::GaussLinear
-            }
-        },
-        "leastSquares" => GradientKind::LeastSquares,
-        "pointCellsLeastSquares" | "edgeCellsLeastSquares" | "fourth" | "iterativeGauss" => {
-            notices.say(format!("gradSchemes: `{word}` is served by `leastSquares`"));
-            GradientKind::LeastSquares
-        }
-        "" => GradientKind::GaussLinear,
-        _ => {
-            let mut known = vec!["Gauss", "leastSquares"];
-            known.extend(GradientLimiter::NAMES.map(|(name, _)| name));
-            unknown(&t, &at, "gradient scheme", word, &known);
-            GradientKind::GaussLinear
-        }
-    };
-    let limiter = limit.map(|limit| {
-        let k = t.opt_number().unwrap_or(1.0);
-        if !(0.0..=1.0).contains(&k) {
-            let message = "the number of a gradient limiter lies between 0 (none) and 1 (bounded)";
-            t.error_at(&t.last_span(), message, "out of range", None);
-        }
-        GradientLimiter { limit, k }
-    });
-    (kind, limiter)
-}
 
 pub(super) fn unknown(
     t: &TokenReader<'_>,

@@ -30,6 +30,16 @@ impl Patches {
         Patches { names: Vec::new(), span: Span::none() }
     }
 
+    /// Complains about what is no patch of the mesh, where some are wanted by name.
+    pub(super) fn check_named(&self, mesh: &Mesh, sink: &Sink) {
+        if self.names.is_empty() {
+            let d = Diag::error(&self.span, "no patch is named").label("an empty list");
+            sink.push(d.help("name patches, their groups, or patterns: `(inlet \"wall.*\")`"));
+        }
+        self.check(mesh, sink);
+        self.check_open(mesh, sink);
+    }
+
     /// Complains about what is no patch of the mesh.
     pub(super) fn check(&self, mesh: &Mesh, sink: &Sink) {
         for w in self.names.iter().filter(|w| !mesh.patches.iter().any(|p| meant(w, p))) {

@@ -3,7 +3,7 @@
 
 use super::Around;
 use super::patches::Patches;
-use granflow_base::{Dims, Vec3, add, cross, dot, norm, scale, sub, unit};
+use granflow_base::{Dims, Vec3, add, cross, dot, norm, scale, sub};
 use granflow_dict::{Diag, Reader, Sink, Span};
 use granflow_flow::sources::axes_of;
 use granflow_mesh::PolyMesh;
@@ -22,14 +22,17 @@ pub(super) enum Wanted {
     Seeds { patches: Patches, most: usize },
 }
 
+/// Most points of a set.
+const MOST: f64 = 1e7;
+
 /// Points of a box with its corner in `origin` and its edges along `e1`, `e2` and their normal,
 /// evenly in its inside; the first direction runs first.
 pub(super) fn lattice(r: &Reader<'_>) -> Vec<Vec3> {
     let (origin, axes) = axes_of(r);
     let n = r.vector("pointsDensity", Dims::NONE);
-    if n.iter().any(|n| *n < 1.0 || n.fract() != 0.0 || *n > 1e6) {
+    if n.iter().any(|n| *n < 1.0 || n.fract() != 0.0) || n.iter().product::<f64>() > MOST {
         let message = "`pointsDensity` is three whole numbers of points";
-        r.error_at_key("pointsDensity", message, "from 1 on", None);
+        r.error_at_key("pointsDensity", message, "from 1 on, together up to 10 million", None);
         return Vec::new();
     }
     let span = r.vector("spanBox", Dims::LENGTH);
@@ -50,16 +53,17 @@ pub(super) fn lattice(r: &Reader<'_>) -> Vec<Vec3> {
 /// Points on a circle, one every `dTheta` degrees, and the length of the arc between them, m.
 pub(super) fn circle(r: &Reader<'_>) -> (Vec<Vec3>, f64) {
     let (origin, start) = (r.vector("origin", Dims::LENGTH), r.vector("startPoint", Dims::LENGTH));
-    let axis = unit(r.vector("circleAxis", Dims::NONE));
-    let step = r.in_range("dTheta", Dims::NONE, 1e-6..=360.0);
+    let axis = r.direction("circleAxis");
+    let step = r.in_range("dTheta", Dims::NONE, 360.0 / MOST..=360.0);
     let arm = sub(start, origin);
     let round = sub(arm, scale(axis, dot(arm, axis)));
-    if norm(axis) == 0.0 || norm(round) == 0.0 {
-        let message = "`circleAxis` has no direction, or `startPoint` lies on it";
+    if norm(round) == 0.0 {
+        let message = "`startPoint` lies on the axis of the circle";
         r.error_at_key("startPoint", message, "no circle", None);
         return (Vec::new(), 1.0);
     }
-    let side = cross(axis, round);
+    // Clockwise, seen against the axis, as the reference tool goes.
+    let side = cross(round, axis);
     let n = ((360.0 / step - 1e-9).floor() as usize + 1).max(1);
     let at = |i: usize| {
         let (s, c) = (i as f64 * step).to_radians().sin_cos();
@@ -90,7 +94,7 @@ impl Wanted {
                 found
             }
             Wanted::Nearest { patches, points, most } => {
-                patches.check(mesh, sink);
+                patches.check_named(mesh, sink);
                 let faces: Vec<usize> = faces_of(poly, &patches.indices(mesh));
                 let near = |(i, x): (usize, &Vec3)| {
                     let on = |f: &usize| (nearest_on(poly, *f, *x), *f);
@@ -111,7 +115,7 @@ impl Wanted {
                 points.iter().enumerate().filter_map(near).collect()
             }
             Wanted::Seeds { patches, most } => {
-                patches.check(mesh, sink);
+                patches.check_named(mesh, sink);
                 let faces: Vec<usize> = faces_of(poly, &patches.indices(mesh));
                 let n = faces.len().min(*most);
                 let centre = |f: usize| {

@@ -43,15 +43,21 @@ impl Run {
         let case = self.case.clone();
         let plans = &case.config.functions;
         // What a function looks at was made before it.
+        let mut seen = vec![false; plans.len()];
         for i in (0..plans.len()).rev() {
             if needed[i] {
-                plans[i].plan.uses().into_iter().for_each(|used| needed[used] = true);
+                for used in plans[i].plan.uses() {
+                    (needed[used], seen[used]) = (true, true);
+                }
             }
         }
-        // A function that says when is not asked in between.
-        let asked = |i: &usize| plans[*i].execute.is_none_or(|e| moment.is_some_and(|m| e.due(m)));
+        // A function that says when is not asked in between, but once, where somebody looks at what it never made.
+        let first = |i: usize| seen[i] && !self.executed[i] && !plans[i].plan.remembers();
+        let due = |i: usize| plans[i].execute.is_none_or(|e| moment.is_some_and(|m| e.due(m)));
+        let asked = |i: &usize| due(*i) || first(*i);
         let makes = |i: &usize| needed[*i] && asked(i) && !plans[*i].plan.makes().is_empty();
-        for i in (0..plans.len()).filter(makes) {
+        let made: Vec<usize> = (0..plans.len()).filter(makes).collect();
+        for i in made {
             self.derive_for(i, fresh)?;
             let _ = self.crew.worker.order(Order::Make(i));
             self.executed[i] = true;

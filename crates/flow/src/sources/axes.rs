@@ -34,7 +34,12 @@ fn rotated(r: &Reader<'_>, system: &Reader<'_>) -> [Vec3; 3] {
         system.entry("coordinateRotation").and_then(|_| system.opt_sub("coordinateRotation"))
     });
     let of = turned.as_ref().unwrap_or(system);
-    let kind = of.opt_word("type", "axes");
+    let kinds = [("axes", "axes"), ("axesRotation", "axes"), ("none", "none")];
+    let kind = match turned {
+        Some(_) => of.opt_one_of("type", &kinds, "axes"),
+        // Here it may be that of the system: `cartesian`.
+        None => of.opt_word("type", "axes"),
+    };
     let (e1, e2, e3) = (
         of.maybe_vector("e1", Dims::NONE),
         of.maybe_vector("e2", Dims::NONE),
@@ -52,10 +57,12 @@ fn rotated(r: &Reader<'_>, system: &Reader<'_>) -> [Vec3; 3] {
         turned.ignore_all();
     }
     found.unwrap_or_else(|| {
-        let help = Some(
-            "give two of them: `coordinateSystem { origin (0 0 0); e1 (1 0 0); e2 (0 1 0); }`",
-        );
-        r.error_at_key("coordinateSystem", "the axes are not given", "needs two axes", help);
+        let help = Some("give two of them, not along each other: `e1 (1 0 0); e2 (0 1 0);`");
+        let given = ["e1", "e2", "e3"].into_iter().find(|key| of.has(key));
+        match given {
+            Some(key) => of.error_at_key(key, "two axes are needed", "they span no plane", help),
+            None => r.error_at_key("coordinateSystem", "the axes are not given", "needs two", help),
+        }
         own
     })
 }

@@ -84,7 +84,7 @@ impl Stencil {
                     if !concerns_me || (found.still && from == rank) {
                         continue;
                     }
-                    let at = found.at(whole);
+                    let at = found.at(&images.centre);
                     if seen.insert(rank, found.cell, at) {
                         let turn = Turn::of(found.rotation.as_ref());
                         if rank == me {
@@ -118,7 +118,7 @@ impl Stencil {
             if found.still && part[found.cell as usize] as usize == me {
                 return local[found.cell as usize] as u32;
             }
-            let at = found.at(whole);
+            let at = found.at(&images.centre);
             let list = ghosts.get(&found.cell).map_or(&[][..], Vec::as_slice);
             nearest(list, at)
         };
@@ -254,8 +254,9 @@ struct Found {
 }
 
 impl Found {
-    fn at(&self, whole: &Mesh) -> Vec3 {
-        let x = whole.cell_centre[self.cell as usize];
+    /// Its place, from the centres of all cells.
+    fn at(&self, centre: &[Vec3]) -> Vec3 {
+        let x = centre[self.cell as usize];
         if self.still { x } else { self.moved(x) }
     }
     /// `R x + shift`.
@@ -286,8 +287,10 @@ struct Motion {
     shift: Vec3,
 }
 
-/// Points of the whole mesh, the cells that have them, and their images.
+/// Points of the whole mesh, the cells that have them, and their images. Cells have the user's numbers, whatever
+/// those of the mesh are.
 struct Images {
+    centre: Vec<Vec3>,
     cell_start: Vec<u32>,
     cell_points: Vec<u32>,
     point_start: Vec<u32>,
@@ -327,7 +330,12 @@ impl Images {
                 fill[p as usize] += 1;
             }
         }
+        let mut centre = vec![[0.0; 3]; whole.n_cells];
+        for (x, &user) in whole.cell_centre.iter().zip(&whole.global_cell) {
+            centre[user as usize] = *x;
+        }
         let mut images = Images {
+            centre,
             cell_start,
             cell_points,
             point_start,
@@ -365,7 +373,7 @@ impl Images {
                 if !l.recv.contains(&n) {
                     continue;
                 }
-                let source = l.send[n - l.recv.start] as usize;
+                let source = whole.global_cell[l.send[n - l.recv.start] as usize] as usize;
                 let here = poly.face((whole.poly_face[f] >> 1) as usize);
                 let size =
                     here.iter().map(|&p| norm(sub(poly.points[p as usize], whole.face_centre[f])));

@@ -120,7 +120,11 @@ impl Formula {
     /// The value, where it is the same everywhere and always.
     pub fn constant(&mut self) -> Option<Quantity> {
         let trial = Place { position: [1.0; 3], area: [1.0, 0.0, 0.0], time: 1.0 };
-        self.root.is_constant(&self.variables).then(|| self.at(&trial))
+        let mut constant = Vec::with_capacity(self.variables.len());
+        for node in &self.variables {
+            constant.push(node.is_constant(&constant));
+        }
+        self.root.is_constant(&constant).then(|| self.at(&trial))
     }
 
     /// The value at a place.
@@ -150,12 +154,12 @@ impl Quantity {
 }
 
 impl Node {
-    /// Whether neither place nor time matters.
-    fn is_constant(&self, variables: &[Node]) -> bool {
+    /// Whether neither place nor time matters, where it is known of the variables.
+    fn is_constant(&self, variables: &[bool]) -> bool {
         let all = |nodes: &[Node]| nodes.iter().all(|n| n.is_constant(variables));
         match self {
             Node::Number(_) => true,
-            Node::Variable(k) => variables[*k].is_constant(variables),
+            Node::Variable(k) => variables[*k],
             Node::Position | Node::Normal | Node::Area | Node::Time => false,
             Node::Vector(parts) | Node::Choice(parts) => all(&parts[..]),
             Node::Call2(_, parts) | Node::Binary(_, parts) => all(&parts[..]),
@@ -302,6 +306,10 @@ mod tests {
         assert_eq!(constant(&["a = time()"], "1 - a/2", false), None);
         assert_eq!(constant(&[], "pos().x() > 1 ? 1 : 1", false), None);
         assert!(!constant(&[], "1/0", false).unwrap().is_finite());
+        // Every variable is looked at once, however often others ask for it.
+        let doubled: Vec<String> = (1..60).map(|k| format!("a{k} = a{0} + a{0}", k - 1)).collect();
+        let all: Vec<&str> = ["a0 = 1"].into_iter().chain(doubled.iter().map(|s| &**s)).collect();
+        assert_eq!(constant(&all, "a59", false), Some(Quantity::Scalar(2f64.powi(59))));
         assert!(!constant(&[], "vector(1, sqrt(-1), 0)", true).unwrap().is_finite());
     }
 
