@@ -335,8 +335,12 @@ fn index(kind: &Kind, entries: &Entries) -> String {
 /// `text` with what Markdown would take for markup taken out of its hands.
 fn escape(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
+    let mut code = false;
     for c in text.trim().trim_end_matches('.').chars() {
+        code ^= c == '`';
         match c {
+            // Between backticks nothing is markup, but what ends a cell of a table.
+            c if code && !"|\n".contains(c) => out.push(c),
             '<' => out += "&lt;",
             '|' | '*' | '[' | ']' | '\\' => {
                 out.push('\\');
