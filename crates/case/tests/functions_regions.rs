@@ -249,3 +249,48 @@ fn fields_are_made_when_execute_says() {
         "{memory}"
     );
 }
+
+#[test]
+fn one_mistake_of_a_set_is_told_once() {
+    let wrong = |sets: &str| {
+        load_errors(with(&format!("s {{ type sets; fields (p); sets ( {sets} ); }}")).path())
+    };
+    let square = "type array; axis xyz; origin (0 0 0); coordinateRotation { type axes; e1 (1 0 0); e2 (0 1 0); }";
+    let said =
+        wrong(&format!("a {{ {square} spanBox (1 1 0.1); pointsDensity (1000 1000 1000); }}"));
+    assert!(said.contains("together up to 10 million"), "{said}");
+    let said =
+        wrong("a { type patchCloud; axis xyz; patches (); points ((0 0 0)); maxDistance 1; }");
+    assert!(said.contains("no patch is named"), "{said}");
+    let crooked = square.replace("e2 (0 1 0)", "e2 (2 0 0)");
+    let said = wrong(&format!("a {{ {crooked} spanBox (1 1 0.1); pointsDensity (2 2 2); }}"));
+    assert!(said.contains("they span no plane"), "{said}");
+    let line = "a { type uniform; axis x; start (0 0.5 0.05); end (1 0.5 0.05); nPoints 3; }";
+    let said = wrong(&format!("{line} {line}"));
+    assert!(said.contains("two sets are called `a`"), "{said}");
+    let said = wrong(
+        "a { type circle; axis xyz; origin (0.5 0.5 0); startPoint (0.8 0.5 0); circleAxis (0 0 0); dTheta 30; }",
+    );
+    assert!(said.contains("`circleAxis` has no direction"), "{said}");
+    for said in [said, wrong(&format!("a {{ {square} spanBox (1 1 0.1); }}"))] {
+        assert_eq!(said.matches("error:").count(), 1, "{said}");
+    }
+}
+
+/// What looks at a field before its own time has it made, and not zeros.
+#[test]
+fn a_field_is_made_for_who_looks_at_it() {
+    let dir = with(
+        "speed { type mag; field U; executeControl timeStep; executeInterval 7; }
+         mean { type volFieldValue; operation volAverage; fields (mag(U)); writeControl timeStep; writeInterval 1; }",
+    );
+    run(dir.path(), &until(0.03));
+    let text = read(dir.path(), "postProcessing/mean/0/volFieldValue.dat");
+    let means: Vec<f64> = text
+        .lines()
+        .filter(|l| !l.starts_with('#'))
+        .map(|l| l.split_whitespace().last().unwrap().parse().unwrap())
+        .collect();
+    assert!(means.len() == 3 && means[0] > 0.0, "{means:?}");
+    assert!(means.iter().all(|m| *m == means[0]), "made once: {means:?}");
+}

@@ -194,6 +194,10 @@ impl CutPlan {
                 let level = r.scalar("distance", Dims::LENGTH);
                 // Without distance both sides are one.
                 let signed = r.opt_switch("signed", true) || level == 0.0;
+                if !signed && level < 0.0 {
+                    let help = Some("write `signed true;`, or a positive distance");
+                    r.error_at_key("distance", "no place is nearer than nothing", "negative", help);
+                }
                 Kind::Distance { shape, level, signed }
             }
         };

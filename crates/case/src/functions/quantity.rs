@@ -161,8 +161,13 @@ pub(crate) struct Wanted {
 impl Wanted {
     /// Reads a list of names under `key`; mistakes go to the sink.
     pub(crate) fn read(r: &Reader<'_>, key: &str, reading: &Reading<'_>) -> Wanted {
+        let told = r.sink().n_errors();
         let words = r.words(key);
         let span = r.value_span(key);
+        if words.is_empty() && r.sink().n_errors() == told {
+            let help = Some("name fields: `(U p)`");
+            r.error_at_key(key, format!("`{key}` names no field"), "an empty list", help);
+        }
         let list = words.into_iter().map(|w| Named::read(r, &span, w, reading)).collect();
         Wanted { list, span }
     }

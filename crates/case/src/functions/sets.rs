@@ -40,10 +40,27 @@ pub(super) const ENTRY_PROFILE: Entry = Entry {
     schedule: Schedule::always(Every::Writes(1)),
 };
 
+/// A line of the list.
+#[derive(Clone)]
+struct Listed {
+    line: Line,
+    span: Span,
+    /// Whether something of it was a mistake: of what it finds nothing is said then.
+    refused: bool,
+}
+
+impl Listed {
+    fn read(r: &Reader<'_>, span: Span, line: impl FnOnce() -> Line) -> Listed {
+        let told = r.sink().n_errors();
+        let line = line();
+        Listed { line, span, refused: r.sink().n_errors() > told }
+    }
+}
+
 #[derive(Clone)]
 struct Sets {
     name: String,
-    lines: Vec<(Line, Span)>,
+    lines: Vec<Listed>,
     fields: Wanted,
     linear: bool,
     format: SetFormat,
@@ -56,7 +73,9 @@ impl Sets {
         if matches!(r.dict().get("sets"), Some(Value::Dict(_))) {
             let subs = r.opt_sub("sets").map_or(Vec::new(), |s| s.subs());
             for (name, line) in subs {
-                out.lines.push((Line::read(&line, name, Some("type")), r.value_span("sets")));
+                let span = r.value_span("sets");
+                let read = || Line::read(&line, name, Some("type"));
+                out.lines.push(Listed::read(r, span, read));
             }
         } else if let Some(mut list) = r.list("sets") {
             while !list.is_empty() {
@@ -64,7 +83,12 @@ impl Sets {
                 let before = list.rest().len();
                 let name = list.word("the name of a line");
                 if let Some(line) = list.dict("a line") {
-                    out.lines.push((Line::read(&line, name, Some("type")), span));
+                    if out.lines.iter().any(|l| l.line.name == name) {
+                        let message = format!("two sets are called `{name}`");
+                        r.error_at(&span, message, "they would be one file", None);
+                    }
+                    let read = || Line::read(&line, name, Some("type"));
+                    out.lines.push(Listed::read(r, span, read));
                 }
                 if list.rest().len() == before {
                     break;
@@ -77,8 +101,9 @@ impl Sets {
     fn read_profile(r: &Reader<'_>, reading: &Reading<'_>) -> Sets {
         let mut out = Sets::common(r, reading);
         let points = r.has("points").then_some("points");
-        let line = Line::read(r, reading.name, points);
-        out.lines.push((line, r.value_span("start")));
+        let read = || Line::read(r, reading.name, points);
+        let line = Listed::read(r, Span::none(), read);
+        out.lines.push(Listed { span: r.value_span("start"), ..line });
         out
     }
 
@@ -98,11 +123,15 @@ impl Sets {
 
 impl Plan for Sets {
     fn place(&mut self, around: &Around<'_>, sink: &Sink) {
-        self.lines.iter_mut().for_each(|(line, span)| line.place(around, span, sink));
+        for Listed { line, span, refused } in &mut self.lines {
+            let told = sink.n_errors();
+            line.place(around, span, sink);
+            *refused |= sink.n_errors() > told;
+        }
     }
     fn check(&self, mesh: &Mesh, config: &CaseConfig, sink: &Sink) {
         self.fields.check(config, sink);
-        for (line, span) in &self.lines {
+        for Listed { line, span, .. } in self.lines.iter().filter(|l| !l.refused) {
             if line.places(mesh).is_empty() {
                 let message =
                     format!("no point of `{}` of `{}` lies in the mesh", line.name, self.name);
@@ -114,7 +143,7 @@ impl Plan for Sets {
         self.fields.uses()
     }
     fn build(&self, mesh: &Mesh, _: &Exec, _: Option<&Remembered>) -> Box<dyn Function> {
-        let places = self.lines.iter().map(|(line, _)| line.places(mesh)).collect();
+        let places = self.lines.iter().map(|l| l.line.places(mesh)).collect();
         Box::new(Placed { plan: self.clone(), places })
     }
 }
@@ -131,7 +160,7 @@ impl Function for Placed {
     fn sample(&mut self, view: &View<'_>) -> Vec<Written> {
         let mut out = Vec::new();
         let fields = &self.plan.fields.list;
-        for ((line, _), places) in self.plan.lines.iter().zip(&self.places) {
+        for (Listed { line, .. }, places) in self.plan.lines.iter().zip(&self.places) {
             let width = 4 + fields.iter().map(|f| f.quantity.n()).sum::<usize>();
             let mut mine = Vec::with_capacity(width * places.len());
             for place in places {

@@ -27,7 +27,14 @@ impl FaceZones {
         for entry in &entries {
             let Value::Dict(zone) = &entry.value else { continue };
             let r = Reader::new(zone, sink);
-            let Some(faces) = labels_of(&r, "faceLabels", ("face", n)) else { continue };
+            r.opt_one_of("type", &[("faceZone", ())], ());
+            let Some(faces) = labels_of(&r, "faceLabels", ("face", n)) else {
+                if !r.has("faceLabels") {
+                    let message = format!("the zone `{}` has no `faceLabels`", entry.key.text());
+                    r.error_here(message, "not found before this brace", None);
+                }
+                continue;
+            };
             let flips = labels_of(&r, "flipMap", ("side", 2)).unwrap_or_default();
             if flips.len() != faces.len() {
                 let message = format!("{} faces need as many sides", faces.len());

@@ -74,7 +74,11 @@ pub(super) fn formula(
     variables: &[&str],
     vector: bool,
 ) -> Option<Expression> {
+    let told = r.sink().n_errors();
     let text = r.string(key);
+    if r.sink().n_errors() > told {
+        return None;
+    }
     match Formula::new(variables, text, vector) {
         Ok(mut formula) => {
             if formula.constant().is_some_and(|q| !q.is_finite()) {
@@ -84,15 +88,12 @@ pub(super) fn formula(
             Some(Expression { key, text: text.to_owned(), formula })
         }
         Err((place, e)) => {
-            // Of a missing one it has been said.
-            if !text.is_empty() || r.has(key) {
-                let (key, what) = match place {
-                    None => (key, text),
-                    Some(k) => ("variables", variables[k]),
-                };
-                let message = format!("the formula `{what}` cannot be evaluated");
-                r.error_at_key(key, message, e.to_string(), None);
-            }
+            let (key, what) = match place {
+                None => (key, text),
+                Some(k) => ("variables", variables[k]),
+            };
+            let message = format!("the formula `{what}` cannot be evaluated");
+            r.error_at_key(key, message, e.to_string(), None);
             None
         }
     }
