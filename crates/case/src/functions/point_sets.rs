@@ -30,12 +30,15 @@ const MOST: f64 = 1e7;
 pub(super) fn lattice(r: &Reader<'_>) -> Vec<Vec3> {
     let (origin, axes) = axes_of(r);
     let n = r.vector("pointsDensity", Dims::NONE);
+    let span = r.vector("spanBox", Dims::LENGTH);
+    if n.iter().chain(&span).any(|x| x.is_nan()) {
+        return Vec::new();
+    }
     if n.iter().any(|n| *n < 1.0 || n.fract() != 0.0) || n.iter().product::<f64>() > MOST {
         let message = "`pointsDensity` is three whole numbers of points";
         r.error_at_key("pointsDensity", message, "from 1 on, together up to 10 million", None);
         return Vec::new();
     }
-    let span = r.vector("spanBox", Dims::LENGTH);
     let [nx, ny, nz] = n.map(|n| n as usize);
     let mut out = Vec::with_capacity(nx * ny * nz);
     for k in 1..=nz {
