@@ -69,16 +69,11 @@ impl Zones {
 
     /// `N ( name { type cellZone; cellLabels List<label> n (...); } ... )`.
     fn read_file(&mut self, source: Arc<Source>, n: usize, sink: &Sink) {
-        let (_, payload, found) = parse_list_file(source);
-        sink.extend(found);
-        let Payload::Entries(entries) = payload else { return };
-        for entry in &entries {
-            let Value::Dict(zone) = &entry.value else { continue };
-            let r = Reader::new(zone, sink);
-            if let Some(cells) = labels(&r, "cellLabels", n) {
-                self.cells.insert(entry.key.text().to_owned(), sorted(cells));
+        each_listed(source, sink, |name, r| {
+            if let Some(cells) = labels(r, "cellLabels", n) {
+                self.cells.insert(name.to_owned(), sorted(cells));
             }
-        }
+        });
     }
 
     /// The actions of `topoSetDict`, in their order.
@@ -229,6 +224,17 @@ const SETS: [&str; 4] = ["cellToCell", "zoneToCell", "setToCellZone", "labelToCe
 /// A list of cells of a mesh with `n`.
 fn labels(r: &Reader<'_>, key: &str, n: usize) -> Option<Vec<u32>> {
     labels_of(r, key, ("cell", n))
+}
+
+/// Shows the zones of a file, each with its name.
+fn each_listed(source: Arc<Source>, sink: &Sink, mut show: impl FnMut(&str, &Reader<'_>)) {
+    let (_, payload, found) = parse_list_file(source);
+    sink.extend(found);
+    let Payload::Entries(entries) = payload else { return };
+    for entry in &entries {
+        let Value::Dict(zone) = &entry.value else { continue };
+        show(entry.key.text(), &Reader::new(zone, sink));
+    }
 }
 
 /// A list of numbers of which there are `n`.

@@ -20,6 +20,16 @@ impl Flow {
         self.numerics.compatible && !self.fluid.rheology.is_constant()
     }
 
+    /// Leaves of `work.ahead`, what the old fluxes of the state are ahead of the flux of its velocities, what is remembered.
+    pub(crate) fn limit_memory(&mut self) {
+        let Flow { exec, state, work: w, .. } = self;
+        let phi = &state.phi.data;
+        exec.for_each(&mut w.ahead.data, |first, out| {
+            let each = out.iter_mut().enumerate();
+            each.for_each(|(i, ahead)| *ahead *= remembered(phi[first + i], *ahead));
+        });
+    }
+
     /// Mobilities of one cell alone in place of those of all cells and of faces without inertia.
     pub(crate) fn mobility_of_one_cell(&mut self) {
         let Flow { exec, mesh, work: w, .. } = self;
@@ -81,6 +91,6 @@ impl Flow {
 }
 
 /// How much of what an old flux was ahead of the flux of the old velocities is remembered.
-pub(crate) fn remembered(flux: f64, ahead: f64) -> f64 {
+fn remembered(flux: f64, ahead: f64) -> f64 {
     if ahead == 0.0 { 0.0 } else { (1.0 - (ahead / flux).abs()).max(0.0) }
 }

@@ -331,6 +331,9 @@ impl Flow {
                 *ahead *= open_share(u, b).max(1.0 - p.closure.slope[b]);
             }
         });
+        if self.numerics.compatible {
+            self.limit_memory();
+        }
     }
 
     /// The velocity at boundaries that belongs to the older velocity of the time scheme: gradients of the one need
@@ -365,7 +368,6 @@ impl Flow {
             .as_ref()
             .map_or(&inertia(&self.work.rho, &self.work.local).data, |t| &t.work.rho_old.data);
         let (r_a_f, ahead) = (&self.work.r_a_f.data, &self.work.ahead.data);
-        let (compatible, start) = (self.numerics.compatible, &self.work.phi_start);
         self.exec.for_each(&mut phi, |first, out| {
             for (i, phi) in out.iter_mut().enumerate() {
                 let f = first + i;
@@ -374,11 +376,7 @@ impl Flow {
                     Some(&n) => o + (1.0 - mesh.weight[f]) * (rho[n as usize] - o),
                     None => o,
                 };
-                let kept = match compatible {
-                    true => crate::compatible::remembered(start[f], ahead[f]),
-                    false => 1.0,
-                };
-                *phi += kept * r_a_f[f] * (rho / dt) * ahead[f];
+                *phi += r_a_f[f] * (rho / dt) * ahead[f];
             }
         });
         of(self).data = phi;

@@ -110,7 +110,8 @@ impl Flow {
             });
         }
         if fluid.rheology.is_constant() || numerics.compatible {
-            // div(eta (grad U)^T) = eta grad(div U) = 0: leaving it out keeps its rounding out too.
+            // div(eta (grad U)^T) = eta grad(div U) = 0: leaving it out keeps its rounding out too. Where forms are to be
+            // OpenFOAM's what is left of it with a viscosity that varies is a force on cells.
             w.explicit.data.fill([0.0; 3]);
         } else {
             let (u, grad_u) = (&state.u, &w.grad_u);

@@ -413,25 +413,6 @@ fn cavity(n: usize, re: f64, dt: f64, outer: usize) -> Flow {
     flow
 }
 
-/// U. Ghia, K. N. Ghia, C. T. Shin, J. Comput. Phys. 48 (1982) 387, table I, Re 100.
-const GHIA: [[f64; 2]; 15] = [
-    [0.0547, -0.03717],
-    [0.0625, -0.04192],
-    [0.0703, -0.04775],
-    [0.1016, -0.06434],
-    [0.1719, -0.10150],
-    [0.2813, -0.15662],
-    [0.4531, -0.21090],
-    [0.5, -0.20581],
-    [0.6172, -0.13641],
-    [0.7344, 0.00332],
-    [0.8516, 0.23151],
-    [0.9531, 0.68717],
-    [0.9609, 0.73722],
-    [0.9688, 0.78871],
-    [0.9766, 0.84123],
-];
-
 #[test]
 fn driven_cavity_meets_ghia() {
     for (n, most) in [(32, 0.015), (64, 0.006)] {
@@ -448,8 +429,10 @@ fn driven_cavity_meets_ghia() {
             rows.push(vec![y, 0.5 * beside.map(|c| flow.state.u.cells.data[c][0]).sum::<f64>()]);
         }
         rows.push(vec![1.0, 1.0]);
-        let worst =
-            GHIA.iter().map(|[y, u]| (interpolate(&rows, 0, 1, *y) - u).abs()).fold(0.0, f64::max);
+        let worst = GHIA
+            .iter()
+            .map(|[y, u, ..]| (interpolate(&rows, 0, 1, *y) - u).abs())
+            .fold(0.0, f64::max);
         println!("cavity {n}: {:.2} % of the lid's speed from Ghia et al.", 100.0 * worst);
         assert!(worst < most, "{n}: {worst}");
     }

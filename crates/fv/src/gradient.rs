@@ -42,29 +42,73 @@ impl LeastSquares {
     pub fn by_area(mesh: &Mesh) -> Self {
         Self::weighed(mesh, true)
     }
-    fn weighed(mesh: &Mesh, by_area: bool) -> Self {
+    fn weighed(mesh: &Mesh, by_area_of_faces: bool) -> Self {
+        let towards = if by_area_of_faces { by_area } else { by_distance };
         let one = |c: usize| {
             let mut m = [0.0; 9];
             for (f, s) in mesh.faces_of(c) {
-                let (d, weight) = towards(mesh, by_area, f, s);
+                let (d, weight) = towards(mesh, f, s);
                 m = m.axpy(weight, Vec3::dyad(d, d));
             }
             inverse_symmetric(&mesh.fit_to_invert(m))
         };
-        LeastSquares { inverse: (0..mesh.n_cells).map(one).collect(), by_area }
+        let inverse = (0..mesh.n_cells).map(one).collect();
+        LeastSquares { inverse, by_area: by_area_of_faces }
+    }
+
+    /// The gradients of own cells, with the weights that the inverses were made with.
+    fn fit<T: Differentiable>(
+        &self,
+        exec: &Exec,
+        mesh: &Mesh,
+        phi: &Unknown<T>,
+        out: &mut [T::Gradient],
+        towards: impl Fn(&Mesh, usize, f64) -> (Vec3, f64) + Sync,
+    ) {
+        let leaning = mesh.max_nonorth_deg > 0.1;
+        exec.for_each(out, |first, out| {
+            for (i, g) in out.iter_mut().enumerate() {
+                let c = first + i;
+                let here = phi.cells.data[c];
+                let mut sum = T::Gradient::ZERO;
+                let mut lack = [0.0; 9];
+                for (f, s) in mesh.faces_of(c) {
+                    let there = if f >= mesh.n_inner {
+                        phi.boundary_value(mesh, f)
+                    } else if s > 0.0 {
+                        phi.cells.data[mesh.neighbour[f] as usize]
+                    } else {
+                        phi.cells.data[mesh.owner[f] as usize]
+                    };
+                    let (d, weight) = towards(mesh, f, s);
+                    let ld = granflow_base::apply(&self.inverse[c], d);
+                    sum = sum.axpy(weight, T::dyad(ld, there.minus(here)));
+                    if leaning && f >= mesh.n_inner {
+                        let beside = beside_foot(mesh, phi, f);
+                        lack = lack.axpy(weight, Vec3::dyad(ld, beside));
+                    }
+                }
+                *g = if lack == [0.0; 9] { sum } else { completed::<T>(sum, &lack) };
+            }
+        });
     }
 }
 
 /// From a cell to what is behind its face `f`, whose normal leaves it where `s > 0`, and the weight of that.
 #[inline]
-fn towards(mesh: &Mesh, by_area: bool, f: usize, s: f64) -> (Vec3, f64) {
+fn by_distance(mesh: &Mesh, f: usize, s: f64) -> (Vec3, f64) {
     let d = scale(mesh.delta[f], s);
-    if !by_area {
-        return (d, 1.0 / dot(d, d));
-    }
-    let (d, share) = match mesh.weight.get(f) {
-        Some(weight) if f < mesh.n_inner => (d, if s > 0.0 { 1.0 - weight } else { *weight }),
-        _ => (scale(mesh.area[f], 1.0 / (mesh.mag_area[f] * mesh.inv_dist[f])), 1.0),
+    (d, 1.0 / dot(d, d))
+}
+
+/// The same as [`LeastSquares::by_area`] has it.
+#[inline]
+fn by_area(mesh: &Mesh, f: usize, s: f64) -> (Vec3, f64) {
+    let (d, share) = if f < mesh.n_inner {
+        let weight = mesh.weight[f];
+        (scale(mesh.delta[f], s), if s > 0.0 { 1.0 - weight } else { weight })
+    } else {
+        (scale(mesh.area[f], 1.0 / (mesh.mag_area[f] * mesh.inv_dist[f])), 1.0)
     };
     (d, share * mesh.mag_area[f] / dot(d, d))
 }
@@ -114,31 +158,8 @@ impl Gradient {
                     }
                 }
             }),
-            Gradient::LeastSquares(ls) => exec.for_each(own, |first, out| {
-                for (i, g) in out.iter_mut().enumerate() {
-                    let c = first + i;
-                    let here = phi.cells.data[c];
-                    let mut sum = T::Gradient::ZERO;
-                    let mut lack = [0.0; 9];
-                    for (f, s) in mesh.faces_of(c) {
-                        let there = if f >= mesh.n_inner {
-                            phi.boundary_value(mesh, f)
-                        } else if s > 0.0 {
-                            phi.cells.data[mesh.neighbour[f] as usize]
-                        } else {
-                            phi.cells.data[mesh.owner[f] as usize]
-                        };
-                        let (d, weight) = towards(mesh, ls.by_area, f, s);
-                        let ld = granflow_base::apply(&ls.inverse[c], d);
-                        sum = sum.axpy(weight, T::dyad(ld, there.minus(here)));
-                        if leaning && f >= mesh.n_inner {
-                            let beside = beside_foot(mesh, phi, f);
-                            lack = lack.axpy(weight, Vec3::dyad(ld, beside));
-                        }
-                    }
-                    *g = if lack == [0.0; 9] { sum } else { completed::<T>(sum, &lack) };
-                }
-            }),
+            Gradient::LeastSquares(ls) if ls.by_area => ls.fit(exec, mesh, phi, own, by_area),
+            Gradient::LeastSquares(ls) => ls.fit(exec, mesh, phi, own, by_distance),
         }
         mesh.halo.update(exec, out);
     }

@@ -2,8 +2,9 @@
 //! (`adjustTimeStep yes`): inertia holds the more of a flow the shorter a step is.
 
 use super::{Run, object};
+use crate::CaseConfig;
 use crate::worker::{Answer, Order};
-use granflow_flow::{Report, StepError};
+use granflow_flow::{Report, StepError, TimeScheme};
 use serde_json::json;
 
 /// How much shorter, and how often.
@@ -23,7 +24,9 @@ impl Run {
     /// A step of `dt` seconds, or of less where that failed; with what was shortened. The length of the steps
     /// to come grows from that again.
     pub(super) fn step(&mut self, mut dt: f64) -> Result<(Report, f64, Vec<Shortened>), StepError> {
-        let adjusts = self.case.config.control.adjust.is_some();
+        let CaseConfig { control, schemes, .. } = &self.case.config;
+        // A steady state has no inertia.
+        let adjusts = control.adjust.is_some() && schemes.ddt != TimeScheme::Steady;
         let mut failed = Vec::new();
         loop {
             let e = match self.crew.worker.order(Order::Step(dt)) {

@@ -1,8 +1,8 @@
 //! Named sets of faces, each face with the side that its normal points to.
 
-use super::{labels_of, sorted};
+use super::{each_listed, labels_of, sorted};
 use crate::set_fields;
-use granflow_dict::{Payload, Reader, Sink, Source, Value, nearest, parse_list_file};
+use granflow_dict::{Reader, Sink, Source, nearest};
 use granflow_mesh::{Mesh, PolyMesh};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -21,29 +21,24 @@ pub(super) struct FaceZones(BTreeMap<String, Result<Vec<ZoneFace>, String>>);
 impl FaceZones {
     /// `N ( name { type faceZone; faceLabels List<label> n (..); flipMap List<bool> n (..); } .. )`.
     pub(super) fn read_file(&mut self, source: Arc<Source>, n: usize, sink: &Sink) {
-        let (_, payload, found) = parse_list_file(source);
-        sink.extend(found);
-        let Payload::Entries(entries) = payload else { return };
-        for entry in &entries {
-            let Value::Dict(zone) = &entry.value else { continue };
-            let r = Reader::new(zone, sink);
+        each_listed(source, sink, |name, r| {
             r.opt_one_of("type", &[("faceZone", ())], ());
-            let Some(faces) = labels_of(&r, "faceLabels", ("face", n)) else {
+            let Some(faces) = labels_of(r, "faceLabels", ("face", n)) else {
                 if !r.has("faceLabels") {
-                    let message = format!("the zone `{}` has no `faceLabels`", entry.key.text());
+                    let message = format!("the zone `{name}` has no `faceLabels`");
                     r.error_here(message, "not found before this brace", None);
                 }
-                continue;
+                return;
             };
-            let flips = labels_of(&r, "flipMap", ("side", 2)).unwrap_or_default();
+            let flips = labels_of(r, "flipMap", ("side", 2)).unwrap_or_default();
             if flips.len() != faces.len() {
                 let message = format!("{} faces need as many sides", faces.len());
                 r.error_at_key("flipMap", message, format!("{} here", flips.len()), None);
             }
             let turned = flips.into_iter().map(|f| f == 1).chain(std::iter::repeat(false));
             let faces = faces.into_iter().zip(turned).collect();
-            self.0.insert(entry.key.text().to_owned(), Ok(faces));
-        }
+            self.0.insert(name.to_owned(), Ok(faces));
+        });
     }
 
     /// An action of `topoSetDict` on a set or zone of faces.

@@ -7,7 +7,6 @@
 //! its right-hand side vanishes with the imbalance, whatever the size of the pressure.
 
 use super::TwoPhase;
-use crate::compatible::remembered;
 use crate::pressure::share_of_correction;
 use crate::{Flow, StepError};
 use granflow_base::{Value, Vec3, dot};
@@ -103,7 +102,7 @@ impl Flow {
         let Flow { exec, mesh, state, numerics, work: w, two_phase, .. } = self;
         let Some(two) = two_phase else { return };
         let TwoPhase { work: t, .. } = &mut **two;
-        let (n, compatible) = (mesh.n_cells, numerics.compatible);
+        let n = mesh.n_cells;
         w.u_eqn.jacobi(exec, &state.u.cells.data, &mut w.hby_a[..n]);
         crate::momentum::keep_solved(exec, mesh, &mut w.hby_a);
         mesh.halo.update(exec, &mut w.hby_a);
@@ -112,8 +111,8 @@ impl Flow {
             numerics.gradient.of(exec, mesh, &state.u, &mut w.grad_u);
         }
         let (h, ahead) = (&w.hby_a, &w.ahead.data);
-        let (rho, r_a) = (if compatible { &w.rho.data } else { &t.rho_old.data }, &w.r_a.data);
-        let (start, limited) = (&w.phi_start, compatible);
+        let rho = if numerics.compatible { &w.rho.data } else { &t.rho_old.data };
+        let r_a = &w.r_a.data;
         let (u, open, grad_u) = (&state.u, &t.forces.open, &w.grad_u);
         exec.for_each(&mut t.base.data, |first, out| {
             for (i, phi) in out.iter_mut().enumerate() {
@@ -131,8 +130,7 @@ impl Flow {
                     *phi += dot(operators::skew_part::<Vec3>(mesh, grad_u, f), mesh.area[f]);
                 }
                 let memory = w * rho[o] * r_a[o] + (1.0 - w) * rho[nb] * r_a[nb];
-                let kept = if limited { remembered(start[f], ahead[f]) } else { 1.0 };
-                *phi += kept * (memory / dt) * ahead[f];
+                *phi += memory / dt * ahead[f];
             }
         });
         self.take_frames_from_base();

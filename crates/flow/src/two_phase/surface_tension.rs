@@ -230,18 +230,13 @@ impl SurfaceTension {
     /// they have of it, or linear between their centres.
     fn put_on_faces(&mut self, exec: &Exec, mesh: &Mesh, linear: bool) {
         let SurfaceTension { faces, curvature, weight, .. } = self;
-        let share = |f: usize, o: usize, n: usize| match linear {
-            true => (mesh.weight[f], 1.0 - mesh.weight[f]),
-            false => (weight[o], weight[n]),
-        };
-        exec.for_each(&mut faces[..mesh.n_inner], |first, out| {
-            for (i, k) in out.iter_mut().enumerate() {
-                let f = first + i;
-                let (o, n) = (mesh.owner[f] as usize, mesh.neighbour[f] as usize);
-                let (w, v) = share(f, o, n);
-                *k = (w * curvature[o] + v * curvature[n]) / (w + v);
-            }
-        });
+        let inner = &mut faces[..mesh.n_inner];
+        match linear {
+            true => mean_on_faces(exec, mesh, curvature, inner, |f, _, _| {
+                (mesh.weight[f], 1.0 - mesh.weight[f])
+            }),
+            false => mean_on_faces(exec, mesh, curvature, inner, |_, o, n| (weight[o], weight[n])),
+        }
         exec.for_each(&mut faces[mesh.n_inner..], |first, out| {
             for (i, k) in out.iter_mut().enumerate() {
                 *k = curvature[mesh.owner[mesh.n_inner + first + i] as usize];
@@ -254,6 +249,24 @@ impl SurfaceTension {
     pub(crate) fn on_face(&self, f: usize) -> f64 {
         self.faces[f]
     }
+}
+
+/// Mean of the two cells of inner faces, weighed by what `share` gives for a face and its cells.
+fn mean_on_faces(
+    exec: &Exec,
+    mesh: &Mesh,
+    of: &[f64],
+    out: &mut [f64],
+    share: impl Fn(usize, usize, usize) -> (f64, f64) + Sync,
+) {
+    exec.for_each(out, |first, out| {
+        for (i, k) in out.iter_mut().enumerate() {
+            let f = first + i;
+            let (o, n) = (mesh.owner[f] as usize, mesh.neighbour[f] as usize);
+            let (w, v) = share(f, o, n);
+            *k = (w * of[o] + v * of[n]) / (w + v);
+        }
+    });
 }
 
 /// What of `v` lies in the plane with the unit normal `n`.

@@ -78,10 +78,7 @@ fn edges(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
         }
     }
     report.quality.edge = range;
-    for p in &mut short.places {
-        p.value = -p.value;
-    }
-    short.report(
+    short.of_least().report(
         report,
         "shortEdge",
         Severity::Warning,
@@ -153,10 +150,7 @@ fn determinants(
         }
     }
     report.quality.determinant = all.pair();
-    for p in &mut poor.places {
-        p.value = -p.value;
-    }
-    poor.report(
+    poor.of_least().report(
         report,
         "determinant",
         Severity::Note,

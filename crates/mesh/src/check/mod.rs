@@ -83,6 +83,11 @@ impl Worst {
             self.places.truncate(LISTED);
         }
     }
+    /// Of places that were added with their values negated, so that the least are listed.
+    fn of_least(mut self) -> Worst {
+        self.places.iter_mut().for_each(|p| p.value = -p.value);
+        self
+    }
     fn report(
         mut self,
         report: &mut CheckReport,

@@ -82,10 +82,7 @@ fn cells(poly: &PolyMesh, g: &Geometry, ptr: &[u32], links: &[u32], report: &mut
             thin.add(place(c, aspect), &[c as u32]);
         }
     }
-    for p in &mut inverted.places {
-        p.value = -p.value;
-    }
-    inverted.report(
+    inverted.of_least().report(
         report,
         "volume",
         Severity::Error,

@@ -57,17 +57,14 @@ fn pyramids(poly: &PolyMesh, g: &Geometry, report: &mut CheckReport) {
             }
         }
     }
-    for p in outside.places.iter_mut().chain(&mut one_sided.places) {
-        p.value = -p.value;
-    }
-    outside.report(
+    outside.of_least().report(
         report,
         "facePyramid",
         Severity::Error,
         "faces that the centre of a cell lies beyond (depth, m)",
         "the cell is folded or very concave: move its points or coarsen the mesh there",
     );
-    one_sided.report(
+    one_sided.of_least().report(
         report,
         "faceWeight",
         Severity::Warning,
