@@ -385,7 +385,7 @@ fn what_is_not_there_is_refused_by_name() {
         "the function `yPlus` is not supported",
         "there is no turbulence model",
         "`triSurfaceMesh`: surfaces of triangles are not read",
-        "no cellZone `z`",
+        "no cell zone `z`",
         "`window` is not supported",
         "unknown field `vorticity`",
         "what functions before this one make",

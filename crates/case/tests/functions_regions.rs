@@ -117,7 +117,10 @@ fn zones_that_are_not_there_are_named() {
     let wrong = |entry: &str| load_errors(with(entry).path());
     let zone = "type volFieldValue; operation volAverage; fields (p); regionType cellZone;";
     let said = wrong(&format!("a {{ {zone} name lefd; }}"));
-    assert!(said.contains("no cellZone `lefd`") && said.contains("did you mean `left`?"), "{said}");
+    assert!(
+        said.contains("no cell zone `lefd`") && said.contains("did you mean `left`?"),
+        "{said}"
+    );
     let faces = "type surfaceFieldValue; operation sum; regionType faceZone;";
     let said = wrong(&format!("a {{ {faces} name mit; fields (phi); }}"));
     assert!(said.contains("no face zone `mit`") && said.contains("did you mean `mid`?"), "{said}");

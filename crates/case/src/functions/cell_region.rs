@@ -1,7 +1,7 @@
 //! Which cells a sum goes over: all, or those of a zone.
 
 use super::Around;
-use granflow_dict::{Diag, Reader, Sink, Span, nearest};
+use granflow_dict::{Dict, Reader, Sink};
 use granflow_mesh::Mesh;
 
 /// All cells, or those of a zone or set.
@@ -9,7 +9,8 @@ use granflow_mesh::Mesh;
 pub(super) struct CellRegion {
     /// `cellZone` or `cellSet` with its name; `None` for all cells.
     pub(super) zone: Option<(&'static str, String)>,
-    span: Span,
+    /// The function's dictionary, for complaints once the mesh is known.
+    dict: Dict,
     /// The zone's cells in the user's numbering, ascending.
     cells: Vec<u32>,
 }
@@ -23,29 +24,14 @@ impl CellRegion {
         if zone.is_none() {
             r.ignore("name");
         }
-        CellRegion { zone, span: r.value_span("name"), cells: Vec::new() }
+        CellRegion { zone, dict: r.dict().clone(), cells: Vec::new() }
     }
 
     /// Finds the cells of the zone.
     pub(super) fn place(&mut self, around: &Around<'_>, sink: &Sink) {
-        let Some((kind, name)) = self.zone.as_ref().filter(|z| !z.1.is_empty()) else { return };
-        if let Some(cells) = around.zones.get(name) {
-            self.cells = cells.to_vec();
-            if cells.is_empty() {
-                let message = format!("the {kind} `{name}` has no cells");
-                sink.push(Diag::error(&self.span, message).label("empty"));
-            }
-            return;
+        if self.zone.as_ref().is_some_and(|z| !z.1.is_empty()) {
+            self.cells = around.zones.filled(&Reader::new(&self.dict, sink), "name");
         }
-        let known: Vec<&str> = around.zones.names().collect();
-        let help = match (nearest(name, known.iter().copied()), known.is_empty()) {
-            (Some(near), _) => format!("did you mean `{near}`?"),
-            (None, true) => "give it in constant/polyMesh/cellZones or system/topoSetDict".into(),
-            (None, false) => format!("there are {}", known.join(", ")),
-        };
-        sink.push(
-            Diag::error(&self.span, format!("no {kind} `{name}`")).label("not known").help(help),
-        );
     }
 
     /// The cells of `mesh` among them.
