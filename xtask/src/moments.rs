@@ -60,12 +60,12 @@ impl Cells {
         sum(0) / sum(1)
     }
 
-    /// One line of the table: `a` ours, `b` theirs, `alike` ours with the peer's forms.
+    /// One line of the table: `a` ours, `b` theirs, `others` ours once more with other forms.
     pub(crate) fn row(
         &self,
         a: &Moment,
         b: &Moment,
-        alike: Option<&Moment>,
+        others: &[Option<Moment>],
         axis: usize,
     ) -> String {
         let sum = |f: &dyn Fn(usize) -> f64| -> f64 {
@@ -73,7 +73,8 @@ impl Cells {
         };
         let (x, whole) = (&self.centre[axis], sum(&|c| b.alpha[c]));
         let l1 = |a: &Moment| format!("{:.3} %", 100.0 * self.apart(&a.alpha, &b.alpha) / whole);
-        let (own, alike) = (l1(a), alike.map_or("-".to_owned(), l1));
+        let others = others.iter().map(|m| m.as_ref().map_or("-".to_owned(), l1));
+        let l1 = [l1(a)].into_iter().chain(others).collect::<Vec<_>>().join(" | ");
         let volume = sum(&|c| a.alpha[c]) / whole - 1.0;
         let extent =
             x.iter().fold(f64::MIN, |m, x| m.max(*x)) - x.iter().fold(f64::MAX, |m, x| m.min(*x));
@@ -97,7 +98,7 @@ impl Cells {
         let p = apart(&a.p, &b.p, &mut self.at_walls.iter().copied());
         let p_rgh = apart(&a.p_rgh, &b.p_rgh, &mut (0..x.len()));
         format!(
-            "{own} | {alike} | {volume:+.1e} | {:.4}, {:.4} | {:+.3} % | {p} | {p_rgh}",
+            "{l1} | {volume:+.1e} | {:.4}, {:.4} | {:+.3} % | {p} | {p_rgh}",
             front(a),
             front(b),
             100.0 * (centroid(a) - centroid(b)) / extent,

@@ -95,9 +95,9 @@ bad! {
 bad! {
     unknown_time_scheme: cavity().edit(SCHEMES, "Euler", "Eulr");
     steady_scheme_of_two_phases: dam().edit(SCHEMES, "Euler", "steadyState");
-    compatible_with_a_second_law: dam().edit(SCHEMES, "ddtSchemes", "compatible yes;\nddtSchemes").edit(TRANSPORT, "Newtonian;\n    nu              1.48e-05", "powerLaw;\n    powerLawCoeffs { k 1e-5; n 0.5; nuMin 1e-6; nuMax 1e-4; }\n    nu              1.48e-05");
-    compatible_with_crank_nicolson: dam().edit(SCHEMES, "default Euler", "default CrankNicolson 0.9").edit(SCHEMES, "ddtSchemes", "compatible yes;\nddtSchemes");
-    compatible_with_outer_passes_of_two_phases: dam().edit(SCHEMES, "ddtSchemes", "compatible yes;\nddtSchemes").edit(SOLUTION, "nCorrectors", "nOuterCorrectors 2; nCorrectors");
+    compatible_with_a_second_law: dam().edit(SCHEMES, "compatible      no", "compatible yes").edit(TRANSPORT, "Newtonian;\n    nu              1.48e-05", "powerLaw;\n    powerLawCoeffs { k 1e-5; n 0.5; nuMin 1e-6; nuMax 1e-4; }\n    nu              1.48e-05");
+    compatible_with_crank_nicolson: dam().edit(SCHEMES, "default Euler", "default CrankNicolson 0.9").edit(SCHEMES, "compatible      no", "compatible yes");
+    compatible_with_outer_passes_of_two_phases: dam().edit(SCHEMES, "compatible      no", "compatible yes").edit(SOLUTION, "nCorrectors", "nOuterCorrectors 2; nCorrectors");
     compatible_with_backward: cavity().edit(SCHEMES, "ddtSchemes { default Euler; }", "compatible yes;\nddtSchemes { default backward; }");
     compatible_with_outer_passes: cavity().edit(SCHEMES, "ddtSchemes", "compatible yes;\nddtSchemes").edit(SOLUTION, "PISO", "PIMPLE").edit(SOLUTION, "nCorrectors     2;", "nCorrectors     2;\n    nOuterCorrectors 5;");
     compatible_is_a_switch: cavity().edit(SCHEMES, "ddtSchemes", "compatible foam;\nddtSchemes");

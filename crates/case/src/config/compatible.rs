@@ -5,9 +5,21 @@ use super::schemes::{COMPATIBLE, unknown};
 use granflow_dict::{Dict, Reader, Sink};
 use granflow_flow::TimeScheme;
 
-/// Applications whose cases have OpenFOAM's forms by themselves, where the viscosity is constant. With one that follows
+/// Applications whose cases have OpenFOAM's forms by themselves, where viscosities are constant. With one that follows
 /// the flow they may be unstable: `offsetCylinder`, the tutorial of `nonNewtonianIcoFoam`, lives there on its solvers' loose tolerance.
 const PEERS: &[&str] = &["icoFoam", "pisoFoam"];
+/// The same for two fluids.
+const PEERS_OF_TWO: &[&str] = &["interFoam", "interIsoFoam"];
+
+/// Whose forms a case has.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Forms {
+    Ours,
+    /// OpenFOAM's, since the case is one of its applications', but for what makes and loses volume.
+    Theirs,
+    /// OpenFOAM's, since `compatible yes;` asks for them: all of them.
+    AskedFor,
+}
 
 /// What decides.
 pub(super) struct Kind {
@@ -19,19 +31,20 @@ pub(super) struct Kind {
     pub(super) ddt: TimeScheme,
 }
 
-/// Whether the forms are OpenFOAM's; to ask for them where they do not exist is a mistake.
-pub(super) fn decide(schemes: Option<&Dict>, application: &str, kind: &Kind, sink: &Sink) -> bool {
+/// Whose the forms are; to ask for OpenFOAM's where they do not exist is a mistake.
+pub(super) fn decide(schemes: Option<&Dict>, application: &str, kind: &Kind, sink: &Sink) -> Forms {
     let why_not = why_not(kind);
     let Some(dict) = schemes.filter(|d| d.get(COMPATIBLE).is_some()) else {
-        let simple = kind.newtonian && !kind.two;
-        return why_not.is_none() && simple && PEERS.contains(&application);
+        let peers = if kind.two { PEERS_OF_TWO } else { PEERS };
+        let theirs = why_not.is_none() && kind.newtonian && peers.contains(&application);
+        return if theirs { Forms::Theirs } else { Forms::Ours };
     };
     let r = Reader::new(dict, sink);
     let asked = r.opt_switch(COMPATIBLE, false);
     if let Some((message, help)) = why_not.filter(|_| asked) {
         r.error_at_key(COMPATIBLE, message, "not available", Some(help));
     }
-    asked
+    if asked { Forms::AskedFor } else { Forms::Ours }
 }
 
 /// What keeps the forms of OpenFOAM from being there, and what to do about it.

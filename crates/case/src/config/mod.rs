@@ -15,6 +15,7 @@ pub(crate) mod sources;
 mod transport;
 mod vof;
 
+use compatible::Forms;
 pub use control::{APPLICATIONS, Adjust, Control, StartFrom, WriteControl};
 pub use schemes::{GradientKind, PLAIN, Schemes};
 pub use solution::{LinearSolve, Reference, ReferenceCell, Solution};
@@ -106,8 +107,9 @@ impl CaseConfig {
             outer: solution.outer,
             ddt: schemes.ddt,
         };
-        schemes.compatible =
-            compatible::decide(schemes_dict.as_ref(), &control.application, &kind, sink);
+        let forms = compatible::decide(schemes_dict.as_ref(), &control.application, &kind, sink);
+        schemes.compatible = forms != Forms::Ours;
+        schemes.sides_apart = forms == Forms::AskedFor;
         if let TimeScheme::Local(steps) = &mut schemes.ddt {
             *steps = solution.local;
         }

@@ -28,6 +28,8 @@ pub struct Schemes {
     pub gradient_p: GradientKind,
     /// Whether PISO has OpenFOAM's forms in place of ours.
     pub compatible: bool,
+    /// Whether isoAdvector has those at periodic sides, too, where they make and lose volume.
+    pub sides_apart: bool,
     /// Limiter of `grad(U)` where convection extrapolates with it.
     pub limiter: Option<GradientLimiter>,
     /// `div(phi,U)` of `divSchemes`.
@@ -50,6 +52,7 @@ impl Default for Schemes {
             gradient: GradientKind::GaussLinear,
             gradient_p: GradientKind::GaussLinear,
             compatible: false,
+            sides_apart: false,
             limiter: None,
             convection: Convection::LinearUpwind,
             alpha: Convection::Limited(LimiterKind::VanLeer(1.0)),

@@ -87,7 +87,7 @@ pub(super) fn read(
         snap_tol: r.opt_non_negative("snapTol", Dims::NONE, g.snap_tol),
         clip: r.opt_switch("clip", g.clip),
         n_alpha_sub_cycles: algebraic.n_alpha_sub_cycles,
-        sides_apart: schemes.compatible,
+        sides_apart: schemes.sides_apart,
     };
     r.finish(Severity::Warning);
     if geometric || named {
