@@ -88,7 +88,9 @@ pub fn slip() -> Box<dyn Condition<Vec3>> {
 
 impl Two<'_> {
     pub fn flow(self, u: impl Fn(&str) -> Box<dyn Condition<Vec3>>) -> Flow {
-        let m = Arc::new(Mesh::new(self.poly).expect("a sound mesh"));
+        let m = Mesh::new(self.poly).expect("a sound mesh");
+        // As cases have them.
+        let m = Arc::new(if self.numerics.compatible { m.without_skewness() } else { m });
         let exec = Exec::new(self.threads, Box::new(granflow_par::Solo)).sharing_from(1);
         let dictated = |kind: &PatchKind| match kind {
             PatchKind::Cyclic { .. } => Some("cyclic"),
