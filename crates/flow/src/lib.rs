@@ -36,7 +36,7 @@ pub use state::{
     Solve, SolveCount, State, StepError, TimeScheme,
 };
 pub use step::{Derived, Flow};
-pub use two_phase::{Mixing, Pores, Prescribed, TwoPhase, TwoPhaseParts};
+pub use two_phase::{Mixing, Pores, Prescribed, Stiffest, TwoPhase, TwoPhaseParts};
 pub use watch::Watch;
 
 use granflow_base::Value;

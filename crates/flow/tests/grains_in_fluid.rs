@@ -87,12 +87,17 @@ fn pressure_between_grains_is_measured_from_their_surface() {
     }
 }
 
+/// Passes of a column with NGF, 12 steps with each mixing: 1137 found. Without a viscosity that counts as none (`SLACK`
+/// in `two_phase/grains.rs`) it takes 1548, with `Limit::Whole` 1382.
+const MOST_PASSES: usize = 1290;
+
 /// A column that gives way from rest, nothing known of the pressure: with mu(I) every step converges. So it
 /// does with NGF, whose cells are three grains long here, but for single cells right at mu_s whose viscosity may not
 /// settle.
 #[test]
 fn a_column_gives_way_with_every_model_and_mixing() {
     let poly = box_of_12();
+    let mut passes = 0;
     for (name, mixing) in Mixing::ALL {
         for rheology in [mu_i as Model, ngf] {
             let mut two = heap(&poly, 0.1, 0.1);
@@ -111,6 +116,7 @@ fn a_column_gives_way_with_every_model_and_mixing() {
                 assert!(now.u < 1e-6 && now.p < 1e-6, "{name}, {step}: {now:?}");
                 assert!(now.viscosity < 0.3, "{name}, {step}: {now:?}");
                 missed += usize::from(!report.converged);
+                passes += if local { 0 } else { report.outer };
             }
             assert!(missed <= 2, "{name}: {missed} steps");
             assert!((volume(&flow) / before - 1.0).abs() < 1e-12, "{name}");
@@ -130,6 +136,8 @@ fn a_column_gives_way_with_every_model_and_mixing() {
             }
         }
     }
+    println!("{passes} passes with NGF");
+    assert!(passes < MOST_PASSES, "{passes} passes");
 }
 
 /// A step that uses up its passes ends with the best of them, forces and viscosities of one state: none is further

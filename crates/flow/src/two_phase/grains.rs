@@ -21,23 +21,26 @@ pub(crate) fn sparse(share: f64) -> bool {
     share < Share::NONE
 }
 
-/// Viscosity of grains over that of the fluid around them that momentum knows at most, where it is above
-/// what `STIFF` allows: times the rounding of a velocity, a greater one would be a force. The law of the
-/// grains does not know of it.
-const STIFFEST: f64 = 1e12;
-/// The same over `rho_1 sqrt(g h) h`, that of a material which its own weight shears at a millionth of the
-/// rate of a free fall through a cell of size h.
-const STIFF: f64 = 3e6;
+/// The greatest viscosity of grains that momentum feels, the greater of two: times the rounding of a velocity,
+/// more would be a force. The law of the grains does not know of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stiffest {
+    /// Over that of the fluid around them.
+    pub beside: f64,
+    /// Over `rho_1 sqrt(g h) h`: at 3e6 that of a material which its own weight shears at a millionth of the
+    /// rate of a free fall through a cell of size h.
+    pub own: f64,
+}
+
+impl Stiffest {
+    /// What no flow can tell from more.
+    pub const DEFAULT: Stiffest = Stiffest { beside: 1e12, own: 3e6 };
+}
 
 /// Viscosity over `rho_1 sqrt(g h) h`, that of a fall through a cell at a Reynolds number of one, that counts as
 /// none. The pressure at the surface of grains goes through zero, and the logarithm of their viscosity with it through
 /// whatever it may be: that is no change.
 const SLACK: f64 = 1e-3;
-
-#[inline]
-fn stiffest(eta_2: f64, least: f64) -> f64 {
-    (STIFFEST * eta_2).max(least)
-}
 
 pub(crate) struct Grains {
     mixing: Mixing,
@@ -50,7 +53,9 @@ pub(crate) struct Grains {
     pub(crate) eta_2: CellField<f64>,
     /// `d ln eta / d ln eta_1` of the mixture on faces.
     pub(crate) response: Vec<f64>,
-    /// Viscosity that momentum feels whatever the fluid around the grains, Pa s; cells and ghosts.
+    /// [`Stiffest::beside`], and viscosity that momentum feels whatever the fluid around the grains, Pa s;
+    /// cells and ghosts.
+    beside: f64,
     least_stiffest: Vec<f64>,
     /// Viscosity that counts as none, Pa s.
     slack: Vec<f64>,
@@ -61,7 +66,12 @@ pub(crate) struct Grains {
 
 impl Grains {
     /// `weight` is `rho_1 sqrt(g)`.
-    pub(crate) fn new(mesh: &Mesh, mixing: Mixing, weight: f64, pore: PorePressure) -> Grains {
+    pub(crate) fn new(
+        mesh: &Mesh,
+        mixing: Mixing,
+        (weight, stiffest): (f64, Stiffest),
+        pore: PorePressure,
+    ) -> Grains {
         let directed = mixing == Mixing::FaceDirection;
         Grains {
             mixing,
@@ -70,7 +80,8 @@ impl Grains {
             eta: vec![0.0; mesh.n_all()],
             eta_2: CellField::new(mesh, "eta2", Dims::VISCOSITY, 0.0),
             response: vec![1.0; mesh.n_faces()],
-            least_stiffest: mesh.volume.iter().map(|v| STIFF * weight * v.sqrt()).collect(),
+            beside: stiffest.beside,
+            least_stiffest: mesh.volume.iter().map(|v| stiffest.own * weight * v.sqrt()).collect(),
             slack: (0..mesh.n_all())
                 .map(|c| SLACK * weight * mesh.cell_size(c).powf(1.5))
                 .collect(),
@@ -123,7 +134,7 @@ impl Grains {
     /// The viscosity of the grains in cell `c` that momentum feels, Pa s.
     #[inline]
     fn felt(&self, c: usize, eta_1: f64) -> f64 {
-        eta_1.min(stiffest(self.eta_2.data[c], self.least_stiffest[c]))
+        eta_1.min((self.beside * self.eta_2.data[c]).max(self.least_stiffest[c]))
     }
 
     /// The grains are where `alpha` says; its conditions are up to date.
@@ -157,11 +168,11 @@ impl Grains {
     ) {
         let Grains { mixing, share, eta, eta_2, response, gradient, least_stiffest, .. } = self;
         let (mixing, share, eta_2) = (*mixing, &share[..], &eta_2.data[..]);
-        let least_stiffest = &least_stiffest[..];
+        let (beside, least_stiffest) = (self.beside, &least_stiffest[..]);
         exec.for_each(eta, |first, out| {
             for (i, eta) in out.iter_mut().enumerate() {
                 let c = first + i;
-                let felt = eta_1[c].min(stiffest(eta_2[c], least_stiffest[c]));
+                let felt = eta_1[c].min((beside * eta_2[c]).max(least_stiffest[c]));
                 *eta = mixing.in_cell(share[c], felt, eta_2[c]);
             }
         });
@@ -174,7 +185,7 @@ impl Grains {
                 let w = if n == o { 1.0 } else { mesh.weight[f] };
                 let lerp = |x: &[f64]| w * x[o] + (1.0 - w) * x[n];
                 let (a, two) = (lerp(share), lerp(eta_2));
-                let most = stiffest(two, least_stiffest[o].min(least_stiffest[n]));
+                let most = (beside * two).max(least_stiffest[o].min(least_stiffest[n]));
                 let (stiff, one) = (out[i] > most, out[i].min(most));
                 if share[o] >= 1.0 && share[n] >= 1.0 {
                     (out[i], response[i]) = (one, f64::from(u8::from(!stiff)));
@@ -261,7 +272,7 @@ impl Flow {
         };
         let pore = PorePressure::new(exec, mesh, weight);
         let weight = fluid.rho * norm(gravity.hydrostatic).sqrt();
-        two.work.grains = Some(Grains::new(mesh, two.mixing, weight, pore));
+        two.work.grains = Some(Grains::new(mesh, two.mixing, (weight, two.stiffest), pore));
     }
 
     /// Shares of the grains from the volume fraction as it stands.

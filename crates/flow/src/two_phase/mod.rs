@@ -28,6 +28,7 @@ pub use prescribed::Prescribed;
 use crate::vof::{Corners, Vof, VofReport};
 pub(crate) use convected::{Carried, Convected};
 use face_forces::FaceForces;
+pub use grains::Stiffest;
 pub(crate) use grains::{Grains, sparse};
 use granflow_base::{Dims, Vec3};
 use granflow_fv::{CellField, FaceField, Unknown};
@@ -58,6 +59,8 @@ pub struct TwoPhase {
     pub pores: Pores,
     /// Solver for the pressure there.
     pub pore_solver: Option<Box<dyn LinearSolver<f64>>>,
+    /// The greatest viscosity of grains that momentum feels.
+    pub stiffest: Stiffest,
     /// The flow, where it is given (and frozen otherwise).
     pub prescribed: Option<Prescribed>,
     pub(crate) work: TwoPhaseWork,
@@ -145,6 +148,7 @@ impl TwoPhase {
             mixing,
             pores,
             pore_solver,
+            stiffest: Stiffest::DEFAULT,
             prescribed: None,
             work,
         }

@@ -4,7 +4,9 @@
 use granflow_base::{Dims, Vec3, norm};
 use granflow_flow::vof::{AlgebraicParams, Corners, GeometricParams, Params, Shape, Vof, fill};
 use granflow_flow::*;
-use granflow_fv::conditions::{FixedValue, OfPatchType, Slip, ZeroGradient};
+use granflow_fv::conditions::{
+    FixedValue, InletOutlet, OfPatchType, PrghPressure, Slip, ZeroGradient,
+};
 use granflow_fv::{Condition, Convection, FaceField, Gradient, Unknown};
 use granflow_linsolve::{LinearSolver, SolverSpec, Tolerance, build};
 use granflow_mesh::{Mesh, PatchKind, PolyMesh, shapes};
@@ -49,6 +51,8 @@ pub type Model = fn(&Exec, &Mesh) -> Box<dyn Rheology>;
 pub struct Two<'a> {
     pub poly: &'a PolyMesh,
     pub gravity: Vec3,
+    /// The part of it along cyclic directions.
+    pub driving: Vec3,
     pub rho: [f64; 2],
     pub eta: [f64; 2],
     pub sigma: f64,
@@ -56,16 +60,20 @@ pub struct Two<'a> {
     pub shape: Shape,
     pub numerics: Numerics,
     pub threads: usize,
+    /// Patches at no pressure; only fluid 2 enters there.
+    pub open: &'a [&'a str],
     /// Of fluid 1 in place of `eta[0]`: grains, for example.
     pub rheology: Option<Model>,
     pub mixing: Mixing,
     pub pores: Pores,
+    pub stiffest: Stiffest,
 }
 
 pub fn water_and_air(poly: &PolyMesh, shape: Shape) -> Two<'_> {
     Two {
         poly,
         gravity: [0.0, -9.81, 0.0],
+        driving: [0.0; 3],
         rho: [1000.0, 1.0],
         eta: [1e-3, 1.48e-5],
         sigma: 0.0,
@@ -73,9 +81,11 @@ pub fn water_and_air(poly: &PolyMesh, shape: Shape) -> Two<'_> {
         shape,
         numerics: numerics(3),
         threads: 1,
+        open: &[],
         rheology: None,
         mixing: Mixing::default(),
         pores: Pores::default(),
+        stiffest: Stiffest::DEFAULT,
     }
 }
 
@@ -100,17 +110,30 @@ impl Two<'_> {
         fn of<T: granflow_base::Value>(kind: &'static str) -> Box<dyn Condition<T>> {
             Box::new(OfPatchType { kind, symmetric: false })
         }
-        let scalar = || -> Vec<Box<dyn Condition<f64>>> {
+        let scalar = |at_open: fn() -> Box<dyn Condition<f64>>| -> Vec<Box<dyn Condition<f64>>> {
             let one = |q: &granflow_mesh::Patch| match dictated(&q.kind) {
                 Some(kind) => of(kind),
-                None => Box::new(ZeroGradient) as Box<dyn Condition<f64>>,
+                None if self.open.contains(&&*q.name) => at_open(),
+                None => Box::new(ZeroGradient),
             };
             m.patches.iter().map(one).collect()
         };
         let vector = m.patches.iter().map(|q| dictated(&q.kind).map_or_else(|| u(&q.name), of));
         let u = Unknown::new(&m, "U", Dims::VELOCITY, [0.0; 3], vector.collect());
-        let p = Unknown::new(&m, "p_rgh", Dims::PRESSURE, 0.0, scalar());
-        let mut alpha = Unknown::new(&m, "alpha", Dims::NONE, 0.0, scalar());
+        let p = Unknown::new(
+            &m,
+            "p_rgh",
+            Dims::PRESSURE,
+            0.0,
+            scalar(|| Box::new(PrghPressure::new(vec![0.0]))),
+        );
+        let mut alpha = Unknown::new(
+            &m,
+            "alpha",
+            Dims::NONE,
+            0.0,
+            scalar(|| Box::new(InletOutlet::new(vec![0.0]))),
+        );
         let corners = Corners::new(self.poly, &m);
         fill(&exec, &m, &corners, &self.shape, &mut alpha.cells.data);
         m.halo.update(&exec, &mut alpha.cells.data);
@@ -136,7 +159,8 @@ impl Two<'_> {
             pores: self.pores,
             pore_solver: Some(solver("PCG", "DIC")),
         };
-        let two = TwoPhase::new(&exec, self.poly, &m, &p, self.gravity, parts);
+        let mut two = TwoPhase::new(&exec, self.poly, &m, &p, self.gravity, parts);
+        two.stiffest = self.stiffest;
         let state = State {
             time: 0.0,
             step: 0,
@@ -153,7 +177,7 @@ impl Two<'_> {
             None => newton(self.eta[0]),
         };
         let fluid = Fluid { rho: self.rho[0], rheology };
-        let gravity = Gravity { hydrostatic: self.gravity, driving: [0.0; 3] };
+        let gravity = Gravity { hydrostatic: self.gravity, driving: self.driving };
         Flow::new(exec, m, state, fluid, gravity, self.numerics).with_second_fluid(two)
     }
 }

@@ -83,8 +83,6 @@ pub struct Ngf {
     fit: InnerFit,
     mu: Vec<f64>,
     spread: Vec<f64>,
-    /// Stress ratios that are held; empty where none is.
-    held: Vec<f64>,
     /// Share of the cells and ghosts that grains in contact have.
     touching: Vec<f64>,
 }
@@ -159,7 +157,6 @@ impl Ngf {
             fit: InnerFit::new(mesh),
             mu: vec![0.0; all],
             spread: vec![0.0; n],
-            held: Vec::with_capacity(n),
             touching: vec![0.0; all],
         }
     }

@@ -3,7 +3,7 @@
 
 use super::Ngf;
 use super::law::{Form, Law, Local};
-use crate::rheology::{Floors, FlowView, Granular, RheologyError, RheologyInfo};
+use crate::rheology::{FlowView, Granular, RheologyError, RheologyInfo};
 use granflow_fv::Equation;
 use granflow_linsolve::{Csr, SolveError};
 use granflow_par::Exec;
@@ -13,10 +13,6 @@ fn least_fluidity(rate: f64, spread: f64, mu_2: f64) -> f64 {
     rate * (1.0 + spread) / mu_2 * (1.0 + 1e-12)
 }
 
-/// Imbalance of the equation over its terms from which on it is not solved.
-const UNSOLVED: f64 = 1e-6;
-/// Share of `mu_2 - mu_s` that is left of a stress ratio that is held.
-const LEAST_LEFT: f64 = 0.02;
 /// Most Newton iterations of one update, and of one that follows from the last.
 const MOST_NEWTON: usize = 200;
 const FEW: usize = 12;
@@ -34,8 +30,6 @@ struct Balance<'a> {
     rate: &'a [f64],
     local: &'a [f64],
     spread: &'a [f64],
-    /// Stress ratios that are held in place of the strain rate, where they are numbers; may be empty.
-    held: &'a [f64],
 }
 
 impl Balance<'_> {
@@ -53,13 +47,7 @@ impl Balance<'_> {
                 let g_old = v.share.map_or(1.0, |s| s.old[c] / s.now[c]) * self.g_old[c];
                 let g_old = g_old.max(self.law.grains.floors.fluidity);
                 let [rate, spread, local] = [self.rate[c], self.spread[c], self.local[c]];
-                let held = self.held.get(c).filter(|mu| mu.is_finite());
-                let rate = held.map_or(rate, |mu| mu * g[c]);
                 *t = self.law.cell_mean(g[c], g_old, rate, spread, local, v.dt);
-                if held.is_some() {
-                    // The rate follows g.
-                    t.slope += t.of_rate / g[c];
-                }
                 if v.share.is_some() {
                     *t = t.scaled(v.share(c));
                 }
@@ -141,7 +129,6 @@ impl Ngf {
             rate: &self.rate,
             local: &self.local,
             spread: &self.spread,
-            held: &self.held,
         }
     }
 
@@ -165,10 +152,9 @@ impl Ngf {
         Ok(())
     }
 
-    /// The fluidity at the strain rate of the flow, and at its stress where the rate has no solution.
+    /// The fluidity at the strain rate of the flow.
     pub(super) fn newton(&mut self, v: &FlowView<'_>) -> Result<RheologyInfo, RheologyError> {
         let mut info = RheologyInfo::default();
-        self.held.clear();
         self.followed = false;
         if self.follows {
             self.allow_rate(v);
@@ -180,9 +166,6 @@ impl Ngf {
         }
         self.start_from_local_law(v, &mut info)?;
         self.iterate(v, (FAR, MOST_NEWTON), &mut info)?;
-        if info.residual > UNSOLVED && self.hold_stress(v) {
-            self.iterate(v, (FAR, MOST_NEWTON), &mut info)?;
-        }
         // Beside another fluid single cells come in and out of contact between two updates; in the primitive form
         // a fluidity that dies away is far from that of the pass before.
         let may = v.share.is_none() && self.law.form == Form::Steady;
@@ -201,33 +184,8 @@ impl Ngf {
         v.mesh.halo.update(v.exec, &mut self.g.cells.data);
     }
 
-    /// At a given strain rate the equation may have no solution near by, where grains above yield are fed
-    /// from beside (`g > 2 g_loc`): the sink then falls as g grows. At a given stress it has one. Holds
-    /// the stress ratio of such cells; false where no stress is known, and where there is no
-    /// other fluid and so no reason to give up the rate.
-    fn hold_stress(&mut self, v: &FlowView<'_>) -> bool {
-        if v.stress.is_none() || v.share.is_none() {
-            return false;
-        }
-        let Granular { mu_2, floors: Floors { still, .. }, .. } = self.law.grains;
-        let most = mu_2 - LEAST_LEFT * self.law.grains.delta_mu();
-        let (terms, mu, spread) = (&self.terms, &self.mu, &self.spread);
-        self.held.resize(v.mesh.n_cells, f64::NAN);
-        v.exec.for_each(&mut self.held, |first, held| {
-            for (i, held) in held.iter_mut().enumerate() {
-                let c = first + i;
-                let fed = terms[c].of_rate > 0.0 || terms[c].imbalance.abs() > UNSOLVED;
-                *held = match fed {
-                    true => mu[c].min(most / (1.0 + spread[c])).max(still),
-                    false => f64::NAN,
-                };
-            }
-        });
-        true
-    }
-
-    /// Newton in ln g at frozen strain rate, or stress where `held` says so, damped by a pseudo-time step
-    /// that grows as the residual falls (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508).
+    /// Newton in ln g at frozen strain rate, damped by a pseudo-time step that grows as the residual falls
+    /// (C. T. Kelley, D. E. Keyes, SIAM J. Numer. Anal. 35 (1998) 508).
     /// Rows are divided by the size of their terms and columns by g, so that every decade counts alike.
     /// Begins with a step of `tau` and takes `most` at most.
     fn iterate(
@@ -264,15 +222,12 @@ impl Ngf {
             self.step.fill(0.0);
             self.solve(v.exec, info)?;
             let (step, rate, g) = (&self.step, &self.rate, &self.g.cells.data);
-            let (spread, held) = (&self.spread, &self.held);
+            let spread = &self.spread;
             v.exec.for_each(&mut self.trial[..n], |first, out| {
                 for (i, trial) in out.iter_mut().enumerate() {
                     let c = first + i;
                     let moved = g[c] * step[c].clamp(-2.0, 2.0).exp();
-                    *trial = match held.get(c).is_some_and(|mu| mu.is_finite()) {
-                        true => moved,
-                        false => moved.max(least_fluidity(rate[c], spread[c], mu_2)),
-                    };
+                    *trial = moved.max(least_fluidity(rate[c], spread[c], mu_2));
                 }
             });
             v.mesh.halo.update(v.exec, &mut self.trial);
