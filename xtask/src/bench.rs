@@ -11,7 +11,7 @@ use std::time::Instant;
 const PARTS: [&str; 5] = ["kernels", "annular", "cavity", "steady", "twoPhases"];
 
 pub(crate) fn task(args: &[String]) -> Result<bool, String> {
-    let (mut parts, mut repeat, mut granflow) = (Vec::new(), 3, None);
+    let (mut parts, mut cases, mut repeat, mut granflow) = (Vec::new(), Vec::new(), 3, None);
     let mut args = args.iter();
     while let Some(arg) = args.next() {
         match arg.as_str() {
@@ -20,10 +20,11 @@ pub(crate) fn task(args: &[String]) -> Result<bool, String> {
                 repeat = n.ok_or("--repeat needs a number of runs, 1 or more")?;
             }
             "--granflow" => granflow = Some(PathBuf::from(args.next().ok_or("--granflow PATH")?)),
+            "--case" => cases.push(args.next().ok_or("--case NAME, of twoPhases")?.as_str()),
             part if PARTS.contains(&part) => parts.push(part),
             other => {
                 return Err(format!(
-                    "`bench` knows {PARTS:?}, --repeat and --granflow, found `{other}`"
+                    "`bench` knows {PARTS:?}, --repeat, --case and --granflow, found `{other}`"
                 ));
             }
         }
@@ -55,7 +56,7 @@ pub(crate) fn task(args: &[String]) -> Result<bool, String> {
                     part("steady states", steady::steady(&granflow));
                 }
                 if wanted("twoPhases") {
-                    part("two fluids", race::two_phases(&granflow, repeat, cores));
+                    part("two fluids", race::two_phases(&granflow, repeat, cores, &cases));
                 }
             }
         }

@@ -46,8 +46,13 @@ const RACES: &[Race] = &[
     race(Ours("standing_wave"), 0.3, 1),
 ];
 
-/// Prints the table.
-pub(crate) fn two_phases(granflow: &Path, repeat: usize, cores: usize) -> Result<(), String> {
+/// Prints the table, of all races or of those whose names contain one of `cases`.
+pub(crate) fn two_phases(
+    granflow: &Path,
+    repeat: usize,
+    cores: usize,
+    cases: &[&str],
+) -> Result<(), String> {
     let granflow = granflow.canonicalize().map_err(|e| format!("{}: {e}", granflow.display()))?;
     println!(
         "\ntwo fluids beside the reference tool (its solver alone; ours with mesh and first fields)"
@@ -57,7 +62,12 @@ pub(crate) fn two_phases(granflow: &Path, repeat: usize, cores: usize) -> Result
     );
     println!("|---|---|---|---|---|---|");
     let mut missing = Vec::new();
-    for race in RACES {
+    let wanted =
+        |race: &&Race| cases.is_empty() || cases.iter().any(|case| race.name().contains(case));
+    if !RACES.iter().any(|race| wanted(&race)) {
+        return Err(format!("no case is called {}", cases.join(" or ")));
+    }
+    for race in RACES.iter().filter(wanted) {
         if let Err(why) = race.run(&granflow, repeat, cores) {
             missing.push(format!("{}: {why}", race.name()));
         }

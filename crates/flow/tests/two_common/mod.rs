@@ -143,6 +143,7 @@ impl Two<'_> {
             Params::Algebraic(AlgebraicParams {
                 mules_corr: true,
                 n_alpha_corr: 2,
+                central_compression: self.numerics.compatible,
                 ..AlgebraicParams::default()
             })
         };
