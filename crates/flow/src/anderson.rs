@@ -16,15 +16,6 @@ pub struct Anderson {
     best: f64,
 }
 
-/// What a step that is too long is cut to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Limit {
-    /// A part of the whole step.
-    Whole,
-    /// Each entry by itself: where some go wrong by far, the others need not wait.
-    Each,
-}
-
 /// A residual that grows by this factor means that the history leads astray: it is dropped.
 const ASTRAY: f64 = 2.0;
 /// Longest step of one entry. The unknowns are logarithms: a factor of 20 at most.
@@ -56,7 +47,7 @@ impl Anderson {
     }
 
     /// Replaces `y` by the next iterate; `g` holds `G(y)`.
-    pub fn mix(&mut self, exec: &Exec, y: &mut [f64], g: &[f64], limit: Limit) {
+    pub fn mix(&mut self, exec: &Exec, y: &mut [f64], g: &[f64]) {
         let n = y.len();
         let size = exec.sum(n, |r| r.map(|i| (g[i] - y[i]).powi(2)).sum()).sqrt();
         if self.started && size > ASTRAY * self.best {
@@ -97,16 +88,11 @@ impl Anderson {
             }
             s
         };
-        let damp = match limit {
-            Limit::Each => 1.0,
-            Limit::Whole => {
-                let longest = exec.max(n, |r| r.map(|i| step(i).abs()).fold(0.0, f64::max));
-                (LONGEST / longest).min(1.0)
-            }
-        };
+        // What is too long is shortened as a whole.
+        let longest = exec.max(n, |r| r.map(|i| step(i).abs()).fold(0.0, f64::max));
+        let damp = (LONGEST / longest).min(1.0);
         exec.for_each(y, |first, y| {
-            let step = |i: usize| (damp * step(first + i)).clamp(-LONGEST, LONGEST);
-            y.iter_mut().enumerate().for_each(|(i, y)| *y += step(i));
+            y.iter_mut().enumerate().for_each(|(i, y)| *y += damp * step(first + i));
         });
     }
 
@@ -179,7 +165,7 @@ mod tests {
         };
         for _ in 0..40 {
             let g = map(&y);
-            anderson.mix(&exec, &mut y, &g, Limit::Whole);
+            anderson.mix(&exec, &mut y, &g);
         }
         assert!(y.iter().zip(&fixed).all(|(a, b)| (a - b).abs() < 1e-8), "{y:?}");
     }

@@ -29,7 +29,7 @@ pub mod vof;
 mod watch;
 mod work;
 
-pub use anderson::{Anderson, Limit};
+pub use anderson::Anderson;
 pub use sources::{MeanVelocity, Porous, SemiImplicit, Source, Zone};
 pub use state::{
     Fluid, Gravity, LocalSteps, NormalDerivative, Numerics, Report, ResidualControl, Residuals,

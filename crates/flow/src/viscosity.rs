@@ -1,6 +1,5 @@
 //! The viscosity of an outer iteration: from the flow to the rheology and back.
 
-use crate::anderson::Limit;
 use crate::two_phase::sparse;
 use crate::{Flow, StepError};
 use granflow_base::{Tensor, dot};
@@ -264,10 +263,8 @@ impl Flow {
 
     /// Mixes `eta_new` with the history of the outer iterations (Anderson, in logarithms).
     pub(crate) fn mix_viscosity(&mut self) {
-        // Where grains end, single cells come in and out of contact.
-        let limit = if self.two_phase.is_some() { Limit::Each } else { Limit::Whole };
         let w = &mut self.work;
-        w.anderson.mix(&self.exec, &mut w.y, &w.g_of_y, limit);
+        w.anderson.mix(&self.exec, &mut w.y, &w.g_of_y);
         let y = &w.y;
         let n = y.len();
         self.exec.for_each(&mut w.eta.data[..n], |first, eta| {

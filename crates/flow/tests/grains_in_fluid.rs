@@ -87,9 +87,9 @@ fn pressure_between_grains_is_measured_from_their_surface() {
     }
 }
 
-/// Passes of a column with NGF, 12 steps with each mixing: 1137 found. Without a viscosity that counts as none (`SLACK`
-/// in `two_phase/grains.rs`) it takes 1548, with `Limit::Whole` 1382.
-const MOST_PASSES: usize = 1290;
+/// Passes of a column with NGF, 12 steps with each mixing: 1372 found. With steps of the acceleration that are cut
+/// cell by cell it takes 1548.
+const MOST_PASSES: usize = 1450;
 
 /// A column that gives way from rest, nothing known of the pressure: with mu(I) every step converges. So it
 /// does with NGF, whose cells are three grains long here, but for single cells right at mu_s whose viscosity may not
@@ -151,7 +151,31 @@ fn a_step_without_enough_passes_ends_with_its_best() {
     for step in 0..40 {
         let now = flow.step(4e-3).expect("a step").residuals;
         println!("{step}: {now:?}");
-        assert!(step == 0 || now.u < 1e-2 && now.p < 1e-3, "{step}: {now:?}");
+        assert!(step == 0 || now.u < 3e-2 && now.p < 1e-3, "{step}: {now:?}");
+    }
+}
+
+/// A block of NGF that falls in air, beside a wall that it sticks to, has the speed of free fall `g t` less what the air
+/// and the cells half full of it take (0.6 %), with every mixing, though half the steps do not converge: what
+/// grains out of contact are made of must not push them into contact.
+#[test]
+fn a_falling_block_falls_freely() {
+    let poly = box_of_12();
+    for (name, mixing) in Mixing::ALL {
+        let mut two = block(&poly, [-1.0, 0.05, -1.0], [0.1, 0.15, 1.0]);
+        (two.mixing, two.numerics.outer) = (*mixing, 100);
+        let mut flow = two.flow(|_| wall());
+        let mut missed = 0;
+        for _ in 0..25 {
+            missed += usize::from(!flow.step(2e-3).expect("a step").converged);
+        }
+        let (mesh, a, u) = (&flow.mesh, alpha(&flow), &flow.state.u.cells.data);
+        let mean = |of: &dyn Fn(usize) -> f64| -> f64 {
+            (0..mesh.n_cells).map(|c| of(c) * a[c] * mesh.volume[c]).sum()
+        };
+        let fall = mean(&|c| -u[c][1]) / mean(&|_| 1.0) / (9.81 * 0.05);
+        println!("{name}: {fall} of g t, {missed} steps missed");
+        assert!((0.985..1.0).contains(&fall), "{name}: {fall} of g t, {missed} steps missed");
     }
 }
 

@@ -37,11 +37,6 @@ impl Stiffest {
     pub const DEFAULT: Stiffest = Stiffest { beside: 1e12, own: 3e6 };
 }
 
-/// Viscosity over `rho_1 sqrt(g h) h`, that of a fall through a cell at a Reynolds number of one, that counts as
-/// none. The pressure at the surface of grains goes through zero, and the logarithm of their viscosity with it through
-/// whatever it may be: that is no change.
-const SLACK: f64 = 1e-3;
-
 pub(crate) struct Grains {
     mixing: Mixing,
     /// Share of the cells and ghosts, 0 to 1, now and at the beginning of the step.
@@ -57,8 +52,6 @@ pub(crate) struct Grains {
     /// cells and ghosts.
     beside: f64,
     least_stiffest: Vec<f64>,
-    /// Viscosity that counts as none, Pa s.
-    slack: Vec<f64>,
     /// Gradient of the share, cells and ghosts, where the mixing asks for it.
     gradient: Vec<Vec3>,
     pub(crate) pore: PorePressure,
@@ -82,9 +75,6 @@ impl Grains {
             response: vec![1.0; mesh.n_faces()],
             beside: stiffest.beside,
             least_stiffest: mesh.volume.iter().map(|v| stiffest.own * weight * v.sqrt()).collect(),
-            slack: (0..mesh.n_all())
-                .map(|c| SLACK * weight * mesh.cell_size(c).powf(1.5))
-                .collect(),
             gradient: if directed { vec![[0.0; 3]; mesh.n_all()] } else { Vec::new() },
             pore,
         }
@@ -113,14 +103,12 @@ impl Grains {
         self.mixing != Mixing::Harmonic || self.share[c] >= 1.0 && self.share[n] >= 1.0
     }
 
-    /// Grains out of contact move with the fluid between them: `eta_1` of the cells is no less than its,
-    /// nor than what no flow can tell from it.
+    /// Grains out of contact move with the fluid between them: `eta_1` of the cells is no less than its. Nor more: a
+    /// viscosity that is lent to them makes pressure, and pressure is contact.
     pub(crate) fn lend_viscosity(&self, exec: &Exec, eta_1: &mut [f64]) {
-        let (eta_2, slack) = (&self.eta_2.data, &self.slack);
+        let eta_2 = &self.eta_2.data;
         exec.for_each(eta_1, |first, eta| {
-            for (i, eta) in eta.iter_mut().enumerate() {
-                *eta = eta.max(eta_2[first + i]).max(slack[first + i]);
-            }
+            eta.iter_mut().enumerate().for_each(|(i, eta)| *eta = eta.max(eta_2[first + i]));
         });
     }
 
