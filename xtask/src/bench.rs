@@ -29,6 +29,9 @@ pub(crate) fn task(args: &[String]) -> Result<bool, String> {
             }
         }
     }
+    if !cases.is_empty() && parts != ["twoPhases"] {
+        return Err("--case is for `bench twoPhases`".to_owned());
+    }
     let wanted = |part| parts.is_empty() || parts.contains(&part);
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     println!("{cores} cores; wall-clock times, medians of {repeat} runs unless said otherwise");

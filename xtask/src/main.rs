@@ -28,7 +28,9 @@ usage: cargo xtask TASK [OPTIONS]
   docs [--check]          writes the book's reference pages from the registries; with --check
                           only says which are missing or stale, and which links lead nowhere
        [--granflow PATH]  the program that is asked for its registries; built by default
-  bench [PART ...]        timings; PART is kernels, annular or cavity (all of them by default)
+  bench [PART ...]        timings; PART is kernels, annular, cavity, steady or twoPhases (all of
+                          them by default)
+        [--case NAME]     of twoPhases only the cases whose names hold one of these
         [--repeat N]      runs of each program, 3 by default; medians are printed
         [--granflow PATH] the program to time; built in release mode by default
   compare [NAME ...]      laminar tutorials of OpenFOAM through both programs, cell by cell;

@@ -53,6 +53,11 @@ pub(crate) fn two_phases(
     cores: usize,
     cases: &[&str],
 ) -> Result<(), String> {
+    let is = |race: &Race, case: &str| race.name().contains(case);
+    if let Some(stranger) = cases.iter().find(|case| !RACES.iter().any(|race| is(race, case))) {
+        return Err(format!("no case is called `{stranger}`"));
+    }
+    let wanted = |race: &&Race| cases.is_empty() || cases.iter().any(|case| is(race, case));
     let granflow = granflow.canonicalize().map_err(|e| format!("{}: {e}", granflow.display()))?;
     println!(
         "\ntwo fluids beside the reference tool (its solver alone; ours with mesh and first fields)"
@@ -62,11 +67,6 @@ pub(crate) fn two_phases(
     );
     println!("|---|---|---|---|---|---|");
     let mut missing = Vec::new();
-    let wanted =
-        |race: &&Race| cases.is_empty() || cases.iter().any(|case| race.name().contains(case));
-    if !RACES.iter().any(|race| wanted(&race)) {
-        return Err(format!("no case is called {}", cases.join(" or ")));
-    }
     for race in RACES.iter().filter(wanted) {
         if let Err(why) = race.run(&granflow, repeat, cores) {
             missing.push(format!("{}: {why}", race.name()));

@@ -1,4 +1,5 @@
-//! The forms of OpenFOAM's PISO solvers (v1912) where ours are others: what `compatible yes;` asks for.
+//! The forms of OpenFOAM's PISO solvers (v1912) where ours are others: the cases of its solvers have them, and those that ask by
+//! `compatible yes;`.
 //!
 //! Momentum in one cell alone, `U = H/a - (1/a) grad p` (R. I. Issa, J. Comput. Phys. 62 (1986) 40; H. Jasak,
 //! thesis, Imperial College (1996), sec. 3.8), is interpolated to faces as `(H/a)_f - (1/a)_f dp/dn`; old
@@ -7,7 +8,7 @@
 //!
 //! With two fluids the memory is the same ([`crate::two_phase`]); the compression has the face's central fraction
 //! ([`crate::vof::AlgebraicParams::central_compression`]), the curvature is that of the fraction as it is (J. U. Brackbill et al.,
-//! J. Comput. Phys. 100 (1992) 335), and periodic sides are upwind on one side ([`crate::vof::GeometricParams::sides_apart`]).
+//! J. Comput. Phys. 100 (1992) 335). Where asked for only, periodic sides are upwind on one side ([`crate::vof::GeometricParams::sides_apart`]).
 
 use crate::Flow;
 use crate::interpolation::open_share;

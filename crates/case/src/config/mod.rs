@@ -107,7 +107,8 @@ impl CaseConfig {
             outer: solution.outer,
             ddt: schemes.ddt,
         };
-        let forms = compatible::decide(schemes_dict.as_ref(), &control.application, &kind, sink);
+        let said = (sink, notices);
+        let forms = compatible::decide(schemes_dict.as_ref(), &control.application, &kind, said);
         schemes.compatible = forms != Forms::Ours;
         schemes.sides_apart = forms == Forms::AskedFor;
         if let TimeScheme::Local(steps) = &mut schemes.ddt {

@@ -95,8 +95,7 @@ pub(super) fn read(
     }
     if schemes.central_compression == Some(true) && !schemes.compatible {
         notices.say(
-            "fvSchemes: the compression of `div(phirb,alpha)` is central in the middle of an interface only; \
-             with `compatible yes;` it is so everywhere",
+            "fvSchemes: the compression of `div(phirb,alpha)` is central in the middle of an interface only",
         );
     }
     Params::Algebraic(algebraic)

@@ -21,8 +21,8 @@ pub(crate) fn sparse(share: f64) -> bool {
     share < Share::NONE
 }
 
-/// The greatest viscosity of grains that momentum feels, the greater of two: times the rounding of a velocity,
-/// more would be a force. The law of the grains does not know of it.
+/// The greatest viscosity of grains that momentum feels, the greater of two. Above it the rounding of a velocity alone
+/// makes forces that count. The law of the grains does not know of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stiffest {
     /// Over that of the fluid around them.
@@ -48,9 +48,9 @@ pub(crate) struct Grains {
     pub(crate) eta_2: CellField<f64>,
     /// `d ln eta / d ln eta_1` of the mixture on faces.
     pub(crate) response: Vec<f64>,
-    /// [`Stiffest::beside`], and viscosity that momentum feels whatever the fluid around the grains, Pa s;
-    /// cells and ghosts.
+    /// [`Stiffest::beside`].
     beside: f64,
+    /// Viscosity that momentum feels whatever the fluid around the grains, Pa s; cells and ghosts.
     least_stiffest: Vec<f64>,
     /// Gradient of the share, cells and ghosts, where the mixing asks for it.
     gradient: Vec<Vec3>,

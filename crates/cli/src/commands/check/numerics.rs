@@ -71,7 +71,12 @@ pub(super) fn say(case: &Case, mapped: &[String], page: &mut Page) {
         );
     }
     if schemes.compatible {
-        text += ", in a single pass with OpenFOAM's forms (`compatible`)";
+        text += match schemes.sides_apart {
+            true => {
+                ", in a single pass with OpenFOAM's forms, those of periodic sides too (`compatible yes;`)"
+            }
+            false => ", in a single pass with OpenFOAM's forms (`compatible no;` has ours)",
+        };
     }
     page.say("schemes", text);
     if schemes.non_orthogonal == 0.0 && angle > 5.0 {
