@@ -23,7 +23,7 @@
 //! source    = "..."
 //! ```
 //!
-//! `slow = true` at the top: see [`is_slow`].
+//! `slow = true` and `unconverged = 9` at the top: see [`is_slow`] and [`may_not_converge`].
 
 use crate::figures::expression::evaluate;
 use crate::figures::table::Table;
@@ -57,6 +57,13 @@ impl Quantity {
 /// its name.
 pub fn is_slow(text: &str) -> bool {
     text.parse::<toml::Table>().is_ok_and(|t| t.get("slow").and_then(|s| s.as_bool()) == Some(true))
+}
+
+/// How many steps of the run may use up their passes, by the text of an `expect.toml` that says `unconverged = N`: none
+/// where it does not.
+pub fn may_not_converge(text: &str) -> f64 {
+    let n = text.parse::<toml::Table>().ok().and_then(|t| t.get("unconverged")?.as_integer());
+    n.unwrap_or(0) as f64
 }
 
 /// Compares the run in the case directory `ran` with the `expect.toml` there.
@@ -169,6 +176,12 @@ mod tests {
             source: String::new(),
         };
         assert!(!nan.passed());
+    }
+
+    #[test]
+    fn all_steps_converge_unless_a_case_says_otherwise() {
+        assert_eq!(may_not_converge("slow = true"), 0.0);
+        assert_eq!(may_not_converge("slow = true\nunconverged = 9\n[[check]]\n"), 9.0);
     }
 
     #[test]

@@ -20,6 +20,10 @@ impl Builtin {
     pub(crate) fn is_slow(&self) -> bool {
         self.text("expect.toml").is_some_and(granflow_case::expect::is_slow)
     }
+    /// How many of its steps may use up their passes.
+    pub(crate) fn may_not_converge(&self) -> f64 {
+        self.text("expect.toml").map_or(0.0, granflow_case::expect::may_not_converge)
+    }
     fn text(&self, path: &str) -> Option<&'static str> {
         let (_, bytes) = self.files.iter().find(|(p, _)| *p == path)?;
         std::str::from_utf8(bytes).ok()

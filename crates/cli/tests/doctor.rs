@@ -142,6 +142,24 @@ fn two_fluids_without_damping_in_time_are_told() {
     assert_eq!(check(&of("0.9")).2, "");
 }
 
+/// A case of `interFoam` has its forms, unless it says otherwise; where something else does, it is told.
+#[test]
+fn whose_forms_a_case_of_two_fluids_has_is_told() {
+    let said = |case: Case| -> String {
+        let (code, out, err) = check(&case);
+        assert_eq!(code, Some(0), "{err}");
+        out.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    let (theirs, not) = ("with OpenFOAM's forms", "not the forms of interFoam but our own");
+    let plain = || dam().edit("system/fvSchemes", "compatible      no", "//");
+    let has = said(plain());
+    assert!(has.contains(theirs) && !has.contains(not), "{has}");
+    let other = said(plain().edit("system/fvSchemes", "Euler", "CrankNicolson 0.9"));
+    assert!(!other.contains(theirs) && other.contains(not), "{other}");
+    let asked = said(dam());
+    assert!(!asked.contains(theirs) && !asked.contains(not), "{asked}");
+}
+
 #[test]
 fn a_share_of_a_velocity_is_not_given() {
     let lid = "type        fixedValue;\n        value       uniform (1 0 0);";

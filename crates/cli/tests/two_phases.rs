@@ -43,6 +43,12 @@ fn a_fraction_beyond_its_bounds_is_refused() {
         said.contains("0/alpha.water") && said.contains("the volume fraction is 1.5"),
         "{said}"
     );
+    // What other programs leave with loose tolerances is taken, and said.
+    std::fs::write(&file, old.replacen("\n1\n", "\n1.01\n", 1)).unwrap();
+    let run = case.run(&["check"]);
+    let said = text(&run.stderr);
+    assert_eq!(run.status.code(), Some(0), "{said}");
+    assert!(said.contains("warning") && said.contains("the volume fraction is 1.01"), "{said}");
 }
 
 #[test]
@@ -152,8 +158,8 @@ fn ranks_agree_where_grains_have_a_fluidity() {
         assert!(a.len() > 900 && a.len() == b.len());
         let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         println!("apart by {apart:e} m/s of 0.16");
-        // 1.1e-6 found, and the same with residuals a tenth of these: steady states of heaps are not unique to the last digits (book, "Two
-        // fluids"), and passes go other ways with other ranks.
+        // 1.1e-6 found, with residuals of 1e-11 as well. It is not the ranks: with those one rank that begins again from its own steady state
+        // moves by 8e-7. Steady states of heaps are no more unique than that (book, "Two fluids").
         assert!(apart < 2e-6, "{apart:e}");
     }
 }

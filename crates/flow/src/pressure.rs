@@ -68,10 +68,10 @@ impl Flow {
         Ok(done)
     }
 
-    /// Makes the flux of a coupled step that did not converge satisfy continuity, so that what is
+    /// Makes the flux of a coupled step satisfy continuity to a residual of `wanted`, so that what is
     /// transported with it is conserved: a pressure correction of the flux alone. Velocity and
     /// pressure stay what their residuals, of which `net` is that of continuity, were measured of.
-    pub(crate) fn project_flux(&mut self, net: f64) -> Result<(), StepError> {
+    pub(crate) fn project_flux(&mut self, net: f64, wanted: f64) -> Result<(), StepError> {
         let Flow { exec, mesh, state, numerics, work: w, .. } = self;
         let closure = &mut w.p_prime.closure;
         closure.slope.copy_from_slice(&state.p.closure.slope);
@@ -81,7 +81,7 @@ impl Flow {
         let equation = -laplacian(&w.r_at_f) + div_explicit(&w.phi_star);
         w.p_eqn.assemble(exec, mesh, &w.p_prime, &equation)?;
         let (a, b, x) = (&w.p_eqn.a, &w.p_eqn.b, &mut w.p_prime.cells.data);
-        let rel = (0.1 * numerics.control.p / net).clamp(1e-10, 0.1);
+        let rel = (0.1 * wanted / net).clamp(1e-10, 0.1);
         let tolerance = Tolerance { abs: 0.0, rel, max_iter: 1000 };
         let solver = &mut numerics.p.solver;
         let result = solver.refresh(exec, a).and_then(|()| solver.solve(exec, a, b, x, &tolerance));

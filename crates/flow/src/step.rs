@@ -207,8 +207,10 @@ impl Flow {
             let (time, residuals) = (self.state.time, report.residuals);
             return Err(StepError::NoFlow { time, residuals });
         }
-        if report.residuals.p > self.numerics.control.p {
-            self.project_flux(report.residuals.p)?;
+        let moves = self.two_phase.is_some() && !self.holds_interface();
+        let wanted = if moves { CONSERVES } else { self.numerics.control.p };
+        if report.residuals.p > wanted {
+            self.project_flux(report.residuals.p, wanted)?;
         }
         self.end_step(dt, report)
     }
@@ -533,6 +535,8 @@ const RHEOLOGY_SOLVED: f64 = 1e-6;
 /// Residual of momentum, force imbalance over force, that no flow has: where an iteration that did
 /// not converge ends with it, the step has failed.
 const NO_FLOW: f64 = 1.0;
+/// Residual of continuity of the flux that moves an interface: what it lacks stays in the volume fraction.
+const CONSERVES: f64 = 1e-10;
 /// Change of the logarithm of viscosity in a pass from which on it is no viscosity of that flow.
 const NO_VISCOSITY: f64 = 10.0;
 /// Residual of momentum that goes with it: single cells in a flow in balance may change that much.

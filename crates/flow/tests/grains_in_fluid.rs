@@ -151,6 +151,7 @@ fn a_step_without_enough_passes_ends_with_its_best() {
     for step in 0..40 {
         let now = flow.step(4e-3).expect("a step").residuals;
         println!("{step}: {now:?}");
+        // 1.9e-2 and 5.6e-4 found at most; without the best pass some step ends in what is no flow.
         assert!(step == 0 || now.u < 3e-2 && now.p < 1e-3, "{step}: {now:?}");
     }
 }

@@ -60,8 +60,10 @@ pub struct Two<'a> {
     pub shape: Shape,
     pub numerics: Numerics,
     pub threads: usize,
-    /// Patches at no pressure; only fluid 2 enters there.
+    /// Patches at no pressure.
     pub open: &'a [&'a str],
+    /// Volume fraction of what enters there.
+    pub enters: f64,
     /// Of fluid 1 in place of `eta[0]`: grains, for example.
     pub rheology: Option<Model>,
     pub mixing: Mixing,
@@ -82,6 +84,7 @@ pub fn water_and_air(poly: &PolyMesh, shape: Shape) -> Two<'_> {
         numerics: numerics(3),
         threads: 1,
         open: &[],
+        enters: 0.0,
         rheology: None,
         mixing: Mixing::default(),
         pores: Pores::default(),
@@ -110,14 +113,15 @@ impl Two<'_> {
         fn of<T: granflow_base::Value>(kind: &'static str) -> Box<dyn Condition<T>> {
             Box::new(OfPatchType { kind, symmetric: false })
         }
-        let scalar = |at_open: fn() -> Box<dyn Condition<f64>>| -> Vec<Box<dyn Condition<f64>>> {
-            let one = |q: &granflow_mesh::Patch| match dictated(&q.kind) {
-                Some(kind) => of(kind),
-                None if self.open.contains(&&*q.name) => at_open(),
-                None => Box::new(ZeroGradient),
+        let scalar =
+            |at_open: &dyn Fn() -> Box<dyn Condition<f64>>| -> Vec<Box<dyn Condition<f64>>> {
+                let one = |q: &granflow_mesh::Patch| match dictated(&q.kind) {
+                    Some(kind) => of(kind),
+                    None if self.open.contains(&&*q.name) => at_open(),
+                    None => Box::new(ZeroGradient),
+                };
+                m.patches.iter().map(one).collect()
             };
-            m.patches.iter().map(one).collect()
-        };
         let vector = m.patches.iter().map(|q| dictated(&q.kind).map_or_else(|| u(&q.name), of));
         let u = Unknown::new(&m, "U", Dims::VELOCITY, [0.0; 3], vector.collect());
         let p = Unknown::new(
@@ -125,14 +129,14 @@ impl Two<'_> {
             "p_rgh",
             Dims::PRESSURE,
             0.0,
-            scalar(|| Box::new(PrghPressure::new(vec![0.0]))),
+            scalar(&|| Box::new(PrghPressure::new(vec![0.0]))),
         );
         let mut alpha = Unknown::new(
             &m,
             "alpha",
             Dims::NONE,
             0.0,
-            scalar(|| Box::new(InletOutlet::new(vec![0.0]))),
+            scalar(&|| Box::new(InletOutlet::new(vec![self.enters]))),
         );
         let corners = Corners::new(self.poly, &m);
         fill(&exec, &m, &corners, &self.shape, &mut alpha.cells.data);
