@@ -9,9 +9,10 @@
 use crate::failure::Guess;
 use crate::{Flow, Report, Residuals, StepError, TimeScheme};
 use granflow_base::norm;
+use granflow_physics::rheology::FlowView;
 
 /// A step of such a length, s, has no inertia.
-pub(crate) const FOREVER: f64 = 1e30;
+pub(crate) const FOREVER: f64 = FlowView::FOREVER;
 /// Steps of pseudo-time at most.
 const MOST_STEPS: usize = 60;
 /// Passes of all of them together, and of each but an endless one.

@@ -275,20 +275,28 @@ impl Flow {
 
     /// Where `eta = P/g` with a fluidity of its own, faces have the linear mean of P over the
     /// geometric mean of g: both exact where the weight of grains makes P and creep makes g. The
-    /// geometric mean of eta alone lacks 13 % on the face below a free surface, where P is zero.
+    /// geometric mean of eta alone lacks 13 % on the face below a free surface, where P is zero. Grains out of contact
+    /// have no g: the face has that of its other cell, and the viscosity of the fluid counts for its part.
     fn press_faces(&mut self) {
         let Flow { exec, mesh, work: w, fluid, two_phase, .. } = self;
         let nonlocal = !fluid.rheology.is_local();
         let Some(loose) = fluid.rheology.grains().filter(|_| nonlocal).map(|g| g.loose()) else {
             return;
         };
-        let share = two_phase.as_ref().and_then(|t| t.share());
-        let pressure = &w.pressure;
+        let grains = two_phase.as_ref().and_then(|t| t.work.grains.as_ref());
+        let share = grains.map(|g| &g.share[..]);
+        let (pressure, of_cells) = (&w.pressure, &w.eta.data);
+        // They were lent the fluid's.
+        let apart = |c: usize| grains.is_some_and(|g| of_cells[c] <= g.eta_2.data[c]);
         exec.for_each(&mut w.eta_f.data[..mesh.n_inner], |first, eta| {
             for (i, eta) in eta.iter_mut().enumerate() {
                 let f = first + i;
                 let [o, n] = [mesh.owner[f], mesh.neighbour[f]].map(|c| c as usize);
                 let t = weight_beyond(share, [o, n], 1.0 - mesh.weight[f]);
+                if apart(o) || apart(n) {
+                    *eta = (1.0 - t) * of_cells[o] + t * of_cells[n];
+                    continue;
+                }
                 let r = pressure[n].max(loose) / pressure[o].max(loose);
                 if r != 1.0 && t > 0.0 && t < 1.0 {
                     *eta *= (1.0 - t + t * r) / r.powf(t);

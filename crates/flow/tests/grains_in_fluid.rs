@@ -89,7 +89,7 @@ fn pressure_between_grains_is_measured_from_their_surface() {
 
 /// Passes of a column with NGF, 12 steps with each mixing: 1372 found. With steps of the acceleration that are cut
 /// cell by cell it takes 1548.
-const MOST_PASSES: usize = 1450;
+const MOST_PASSES: usize = 1350;
 
 /// A column that gives way from rest, nothing known of the pressure: with mu(I) every step converges. So it
 /// does with NGF, whose cells are three grains long here, but for single cells right at mu_s whose viscosity may not
@@ -114,11 +114,12 @@ fn a_column_gives_way_with_every_model_and_mixing() {
                 println!("{name}, local {local}, {step}: {} {now:?}", report.converged);
                 assert!(report.converged || !local, "{name}, {step}: {now:?}");
                 assert!(now.u < 1e-6 && now.p < 1e-6, "{name}, {step}: {now:?}");
-                assert!(now.viscosity < 0.3, "{name}, {step}: {now:?}");
+                // 4e-5 found at most.
+                assert!(now.viscosity < 3e-4, "{name}, {step}: {now:?}");
                 missed += usize::from(!report.converged);
                 passes += if local { 0 } else { report.outer };
             }
-            assert!(missed <= 2, "{name}: {missed} steps");
+            assert!(missed <= 1, "{name}: {missed} steps");
             assert!((volume(&flow) / before - 1.0).abs() < 1e-12, "{name}");
             // Where it began to fall it does so slower than freely: the mean over all grains.
             let (mesh, a, u) = (&flow.mesh, alpha(&flow), &flow.state.u.cells.data);
@@ -151,20 +152,21 @@ fn a_step_without_enough_passes_ends_with_its_best() {
     for step in 0..40 {
         let now = flow.step(4e-3).expect("a step").residuals;
         println!("{step}: {now:?}");
-        // 1.9e-2 and 5.6e-4 found at most; without the best pass some step ends in what is no flow.
-        assert!(step == 0 || now.u < 3e-2 && now.p < 1e-3, "{step}: {now:?}");
+        // 1.0e-3 and 1.0e-4 found at most; without the best pass some step ends in what is no flow.
+        assert!(step == 0 || now.u < 3e-3 && now.p < 3e-4, "{step}: {now:?}");
     }
 }
 
 /// A block of NGF that falls in air, beside a wall that it sticks to, has the speed of free fall `g t` less what the air
-/// and the cells half full of it take (0.6 %), with every mixing, though half the steps do not converge: what
-/// grains out of contact are made of must not push them into contact.
+/// and the cells half full of it take, with every mixing: that of mu(I), whose steps all converge, and in fluids 200 and 1000
+/// times as viscous, too. What grains out of contact are made of must not push them into contact.
 #[test]
 fn a_falling_block_falls_freely() {
     let poly = box_of_12();
-    for (name, mixing) in Mixing::ALL {
+    let run = |rheology: Model, mixing: Mixing, eta: f64| {
         let mut two = block(&poly, [-1.0, 0.05, -1.0], [0.1, 0.15, 1.0]);
-        (two.mixing, two.numerics.outer) = (*mixing, 100);
+        (two.rheology, two.mixing, two.numerics.outer) = (Some(rheology), mixing, 100);
+        two.eta[1] *= eta;
         let mut flow = two.flow(|_| wall());
         let mut missed = 0;
         for _ in 0..25 {
@@ -174,9 +176,20 @@ fn a_falling_block_falls_freely() {
         let mean = |of: &dyn Fn(usize) -> f64| -> f64 {
             (0..mesh.n_cells).map(|c| of(c) * a[c] * mesh.volume[c]).sum()
         };
-        let fall = mean(&|c| -u[c][1]) / mean(&|_| 1.0) / (9.81 * 0.05);
-        println!("{name}: {fall} of g t, {missed} steps missed");
-        assert!((0.985..1.0).contains(&fall), "{name}: {fall} of g t, {missed} steps missed");
+        (mean(&|c| -u[c][1]) / mean(&|_| 1.0) / (9.81 * 0.05), missed)
+    };
+    for (name, mixing) in Mixing::ALL {
+        for (eta, least) in [(1.0, 0.994), (200.0, 0.992), (1000.0, 0.987)] {
+            let (local, of_local) = run(mu_i, *mixing, eta);
+            let (fall, missed) = run(ngf, *mixing, eta);
+            println!("{name}, {eta} x: {fall} of g t, {missed} steps missed; mu(I) {local}");
+            assert_eq!(of_local, 0);
+            // Of 25 steps 0 to 7 were missed.
+            assert!(
+                missed < 10 && fall > least && (fall - local).abs() < 1e-3,
+                "{name}, {eta}: {fall}, {missed}"
+            );
+        }
     }
 }
 

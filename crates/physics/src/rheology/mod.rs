@@ -112,7 +112,7 @@ pub struct FlowView<'a> {
     pub mesh: &'a Mesh,
     /// Time at the end of the step, s.
     pub time: f64,
-    /// Time step, s.
+    /// Time step, s; without inertia [`FlowView::FOREVER`] or more.
     pub dt: f64,
     /// Strain rate in the cells, 1/s: the mean stress of the cell over its viscosity where the
     /// model owns a field, the mean over the cell's faces where it is local.
@@ -146,6 +146,9 @@ impl Share<'_> {
 }
 
 impl FlowView<'_> {
+    /// A step of such a length, s, has no inertia: a steady state is looked for.
+    pub const FOREVER: f64 = 1e30;
+
     /// The material's share of cell or ghost `c`.
     #[inline]
     pub fn share(&self, c: usize) -> f64 {

@@ -15,6 +15,7 @@
 //!
 //! `t0 Dg/Dt = A^2 d^2 lap g - dmu (mu_s - mu)/(mu_2 - mu) g - b sqrt(rho_s d^2/P) mu g^2`, b = dmu/I0.
 
+mod contact;
 mod law;
 mod rates;
 mod solve;
@@ -22,6 +23,7 @@ mod spread;
 
 pub use law::{Form, Law};
 
+use self::contact::Contact;
 use self::law::Local;
 use self::spread::InnerFit;
 use super::beyond::beyond;
@@ -83,8 +85,7 @@ pub struct Ngf {
     fit: InnerFit,
     mu: Vec<f64>,
     spread: Vec<f64>,
-    /// Share of the cells and ghosts that grains in contact have.
-    touching: Vec<f64>,
+    contact: Contact,
 }
 
 pub(super) const ENTRY: Entry = Entry {
@@ -157,7 +158,7 @@ impl Ngf {
             fit: InnerFit::new(mesh),
             mu: vec![0.0; all],
             spread: vec![0.0; n],
-            touching: vec![0.0; all],
+            contact: Contact::new(all),
         }
     }
 
@@ -286,23 +287,6 @@ impl Ngf {
         });
     }
 
-    /// In the steady form, beside another fluid, grains under no pressure are out of contact: they carry no stress, have no
-    /// fluidity, and what is in contact ends at them. (Their stress ratio is what a floor on the pressure makes of it,
-    /// and where it comes to lie above mu_s beside faster grains, the equation at a given rate has no
-    /// solution near by. The primitive form remembers, and has one.) `touching` is filled with the share of
-    /// the others.
-    fn part<'a>(&self, v: &FlowView<'a>, touching: &'a mut [f64]) -> FlowView<'a> {
-        let Some(share) = v.share.filter(|_| self.law.form == Form::Steady) else { return *v };
-        let (pressure, loose) = (v.pressure, self.law.grains.loose());
-        v.exec.for_each(touching, |first, out| {
-            for (i, share_of) in out.iter_mut().enumerate() {
-                let c = first + i;
-                *share_of = if pressure[c] > loose { share.now[c] } else { 0.0 };
-            }
-        });
-        FlowView { share: Some(Share { now: touching, ..share }), ..*v }
-    }
-
     /// Viscosity, paper eq. 1: `eta = P/g`; none where there are no grains in contact.
     fn viscosity(&self, v: &FlowView<'_>, eta: &mut CellField<f64>) {
         let (g, loose, pressure) = (&self.g.cells.data, self.law.grains.loose(), v.pressure);
@@ -328,21 +312,22 @@ impl Rheology for Ngf {
         // them rigid for as long as dt is less than t0.)
         let first = !self.known && !self.remembers;
         let v = &FlowView { dt: if first { f64::INFINITY } else { v.dt }, ..*v };
-        let mut touching = std::mem::take(&mut self.touching);
-        let part = &self.part(v, &mut touching);
+        let mut contact = std::mem::take(&mut self.contact);
+        let part = &self.part(v, &mut contact);
         let info = self.prepare(part).and_then(|()| self.newton(part));
         if first {
             self.g_old.copy_from_slice(&self.g.cells.data);
         }
         self.leave_the_rest(part);
         self.viscosity(part, eta);
-        self.touching = touching;
+        self.contact = contact;
         self.known = true;
         let mut info = info?;
         info.beyond = beyond(v, &self.law.grains);
         Ok(info)
     }
     fn begin_step(&mut self) {
+        self.contact.begin_step();
         self.remembers = false;
         (self.follows, self.followed) = (false, false);
         self.g_old.copy_from_slice(&self.g.cells.data);
@@ -370,10 +355,10 @@ impl Rheology for Ngf {
         self.known |= of_all[0] > 0.0 && of_all[1] <= 0.0;
         if self.known {
             self.reach_new_cells(v);
-            let mut touching = std::mem::take(&mut self.touching);
-            let part = &self.part(v, &mut touching);
+            let mut contact = std::mem::take(&mut self.contact);
+            let part = &self.part(v, &mut contact);
             self.viscosity(part, eta);
-            self.touching = touching;
+            self.contact = contact;
         }
         self.known
     }
