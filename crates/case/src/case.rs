@@ -142,6 +142,7 @@ impl Case {
         if start.step == 0 && !start.restarted {
             fields_set = set_fields::apply(root, &poly, &mesh, &mut start, sink, notices)?;
         }
+        start.judge_fraction(root, sink);
         let functions = &config.functions;
         let remembered = remembered::read(root, &start.dir, functions, &poly, notices)?;
         let whole = config.gravity.unwrap_or_default();

@@ -10,11 +10,11 @@ use granflow_fv::conditions::CaseContext;
 use granflow_mesh::PolyMesh;
 use std::path::Path;
 
-/// How far a volume fraction may be beyond 0 to 1 in a state to begin with: where continuity is solved loosely
-/// transport leaves some, here as in other programs. What is further is no volume fraction.
+/// How far a volume fraction may be beyond 0 to 1 where a run wrote it: with loose tolerances transport leaves some, here as in
+/// other programs. What is further is no volume fraction.
 const BEYOND: f64 = 0.1;
-/// From where on that is said.
-const NOTICED_BEYOND: f64 = 1e-3;
+/// How far it may be without a word; where nothing has run yet, at all.
+const ROUNDING: f64 = 1e-3;
 
 /// A state on the whole mesh, in the user's numbering and the units of the files.
 #[derive(Clone)]
@@ -50,6 +50,26 @@ pub struct WholeState {
 }
 
 impl WholeState {
+    /// What there is to say of a volume fraction beyond 0 to 1, once all that sets it has.
+    pub(crate) fn judge_fraction(&self, root: &Path, sink: &Sink) {
+        let Some(alpha) = &self.alpha else { return };
+        let excess = |a: f64| if a.is_nan() { f64::INFINITY } else { (a - 1.0).max(-a) };
+        let worst = alpha.cells.iter().map(|a| excess(*a)).fold(0.0, f64::max);
+        if worst <= ROUNDING {
+            return;
+        }
+        let cell = alpha.cells.iter().position(|a| excess(*a) >= worst).unwrap_or_default();
+        let value = alpha.cells[cell];
+        let path = root.join(&self.dir).join(&alpha.name).display().to_string();
+        let message = format!("the volume fraction is {value} in cell {cell}, not 0 to 1");
+        let mut diag = Diag::file(path, message);
+        if self.restarted && worst <= BEYOND {
+            diag.severity = Severity::Warning;
+            diag = diag.help("tighter tolerances of the pressure keep it within its bounds");
+        }
+        sink.push(diag);
+    }
+
     /// Whether the pressure is given per density, m2/s2.
     pub fn kinematic(&self) -> bool {
         self.p.dims == Dims::KINEMATIC_PRESSURE
@@ -98,11 +118,7 @@ impl WholeState {
                 alpha = read_vol::<f64>(root, dir, &original, &none, (poly, case), sink)?;
             }
             match &mut alpha {
-                Some(field) => {
-                    let path = root.join(dir).join(&name).display().to_string();
-                    sink.extend(fraction_beyond(&field.cells, path));
-                    field.name = name;
-                }
+                Some(field) => field.name = name,
                 None => missing(&name, "two phases need the volume fraction of the first one"),
             }
         }
@@ -227,23 +243,6 @@ impl Clock {
         w.entry("deltaT", number(self.dt.unwrap_or(self.dt_old)));
         w.entry("deltaT0", number(self.dt_old));
         w.finish()
-    }
-}
-
-/// What is said of a volume fraction beyond 0 to 1 in the file `path`.
-fn fraction_beyond(cells: &[f64], path: String) -> Option<Diag> {
-    let excess = |a: f64| if a.is_nan() { f64::INFINITY } else { (a - 1.0).max(-a) };
-    let worst = |a: &(usize, &f64), b: &(usize, &f64)| excess(*a.1).total_cmp(&excess(*b.1));
-    let (cell, &value) = cells.iter().enumerate().max_by(worst)?;
-    let message = format!("the volume fraction is {value} in cell {cell}, not 0 to 1");
-    let mut diag = Diag::file(path, message);
-    match excess(value) {
-        e if e > BEYOND => Some(diag),
-        e if e > NOTICED_BEYOND => {
-            diag.severity = Severity::Warning;
-            Some(diag.help("flow that is solved to tighter tolerances keeps it within its bounds"))
-        }
-        _ => None,
     }
 }
 

@@ -43,12 +43,29 @@ fn a_fraction_beyond_its_bounds_is_refused() {
         said.contains("0/alpha.water") && said.contains("the volume fraction is 1.5"),
         "{said}"
     );
-    // What other programs leave with loose tolerances is taken, and said.
+    // So is what `setFieldsDict` makes of it.
+    let set =
+        dam().edit("system/setFieldsDict", "alpha.water 1", "alpha.water 1.05").run(&["check"]);
+    let said = text(&set.stderr);
+    assert_eq!(set.status.code(), Some(2), "{said}");
+    assert!(said.contains("the volume fraction is 1.05"), "{said}");
+}
+
+/// What loose tolerances leave in a state that a run has written is taken, and said.
+#[test]
+fn a_fraction_a_little_beyond_its_bounds_restarts() {
+    let case = dam();
+    ran(&case, &["run", "--until", "0.01"]);
+    let file = case.path().join("0.01/alpha.water");
+    let old = case.read("0.01/alpha.water");
+    assert!(old.contains("\n1\n"), "{old}");
     std::fs::write(&file, old.replacen("\n1\n", "\n1.01\n", 1)).unwrap();
     let run = case.run(&["check"]);
     let said = text(&run.stderr);
     assert_eq!(run.status.code(), Some(0), "{said}");
     assert!(said.contains("warning") && said.contains("the volume fraction is 1.01"), "{said}");
+    std::fs::write(&file, old.replacen("\n1\n", "\n1.2\n", 1)).unwrap();
+    assert_eq!(case.run(&["check"]).status.code(), Some(2));
 }
 
 #[test]

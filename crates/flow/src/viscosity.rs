@@ -261,8 +261,25 @@ impl Flow {
         self.spread_viscosity();
     }
 
+    /// Where grains have come into contact beside a fluid or out of it, the viscosity is taken as it is: the jump, of ten decades at
+    /// times, has no history, and as what is too long is shortened as a whole, it would hold all others back.
+    fn take_contact(&mut self) {
+        let Flow { exec, work: w, two_phase, .. } = self;
+        let Some(grains) = two_phase.as_ref().and_then(|t| t.work.grains.as_ref()) else { return };
+        let new = &w.g_of_y;
+        exec.for_each(&mut w.y, |first, y| {
+            for (i, y) in y.iter_mut().enumerate() {
+                let c = first + i;
+                if grains.is_lent(c, y.exp()) != grains.is_lent(c, new[c].exp()) {
+                    *y = new[c];
+                }
+            }
+        });
+    }
+
     /// Mixes `eta_new` with the history of the outer iterations (Anderson, in logarithms).
     pub(crate) fn mix_viscosity(&mut self) {
+        self.take_contact();
         let w = &mut self.work;
         w.anderson.mix(&self.exec, &mut w.y, &w.g_of_y);
         let y = &w.y;
@@ -276,7 +293,7 @@ impl Flow {
     /// Where `eta = P/g` with a fluidity of its own, faces have the linear mean of P over the
     /// geometric mean of g: both exact where the weight of grains makes P and creep makes g. The
     /// geometric mean of eta alone lacks 13 % on the face below a free surface, where P is zero. Grains out of contact
-    /// have no g: the face has that of its other cell, and the viscosity of the fluid counts for its part.
+    /// were lent the fluid's viscosity, which is no P/g: there the mean of the viscosities is linear.
     fn press_faces(&mut self) {
         let Flow { exec, mesh, work: w, fluid, two_phase, .. } = self;
         let nonlocal = !fluid.rheology.is_local();
@@ -286,8 +303,7 @@ impl Flow {
         let grains = two_phase.as_ref().and_then(|t| t.work.grains.as_ref());
         let share = grains.map(|g| &g.share[..]);
         let (pressure, of_cells) = (&w.pressure, &w.eta.data);
-        // They were lent the fluid's.
-        let apart = |c: usize| grains.is_some_and(|g| of_cells[c] <= g.eta_2.data[c]);
+        let apart = |c: usize| grains.is_some_and(|g| g.is_lent(c, of_cells[c]));
         exec.for_each(&mut w.eta_f.data[..mesh.n_inner], |first, eta| {
             for (i, eta) in eta.iter_mut().enumerate() {
                 let f = first + i;

@@ -87,9 +87,9 @@ fn pressure_between_grains_is_measured_from_their_surface() {
     }
 }
 
-/// Passes of a column with NGF, 12 steps with each mixing: 1372 found. With steps of the acceleration that are cut
-/// cell by cell it takes 1548.
-const MOST_PASSES: usize = 1350;
+/// Passes of a column with NGF, 12 steps with each mixing: 1132 found. Where the viscosity of cells that come into contact or out of
+/// it is mixed with its history, as that of the others is, it takes 1239.
+const MOST_PASSES: usize = 1200;
 
 /// A column that gives way from rest, nothing known of the pressure: with mu(I) every step converges. So it
 /// does with NGF, whose cells are three grains long here, but for single cells right at mu_s whose viscosity may not
@@ -114,8 +114,8 @@ fn a_column_gives_way_with_every_model_and_mixing() {
                 println!("{name}, local {local}, {step}: {} {now:?}", report.converged);
                 assert!(report.converged || !local, "{name}, {step}: {now:?}");
                 assert!(now.u < 1e-6 && now.p < 1e-6, "{name}, {step}: {now:?}");
-                // 4e-5 found at most.
-                assert!(now.viscosity < 3e-4, "{name}, {step}: {now:?}");
+                // 2.2e-4 found at most.
+                assert!(now.viscosity < 1e-3, "{name}, {step}: {now:?}");
                 missed += usize::from(!report.converged);
                 passes += if local { 0 } else { report.outer };
             }
@@ -179,7 +179,8 @@ fn a_falling_block_falls_freely() {
         (mean(&|c| -u[c][1]) / mean(&|_| 1.0) / (9.81 * 0.05), missed)
     };
     for (name, mixing) in Mixing::ALL {
-        for (eta, least) in [(1.0, 0.994), (200.0, 0.992), (1000.0, 0.987)] {
+        // Once more with a viscosity whose logarithm rounds the other way.
+        for (eta, least) in [(1.0, 0.994), (1.0006, 0.994), (200.0, 0.992), (1000.0, 0.987)] {
             let (local, of_local) = run(mu_i, *mixing, eta);
             let (fall, missed) = run(ngf, *mixing, eta);
             println!("{name}, {eta} x: {fall} of g t, {missed} steps missed; mu(I) {local}");

@@ -15,6 +15,9 @@ use granflow_mesh::Mesh;
 use granflow_par::Exec;
 use granflow_physics::rheology::{FlowView, Share};
 
+/// Relative difference of viscosities that is rounding.
+const LENT: f64 = 1e-9;
+
 /// Whether a cell has too little of the grains to count.
 #[inline]
 pub(crate) fn sparse(share: f64) -> bool {
@@ -110,6 +113,12 @@ impl Grains {
         exec.for_each(eta_1, |first, eta| {
             eta.iter_mut().enumerate().for_each(|(i, eta)| *eta = eta.max(eta_2[first + i]));
         });
+    }
+
+    /// Whether a viscosity of the grains of cell `c` is one that was lent to them, to the rounding of its logarithm.
+    #[inline]
+    pub(crate) fn is_lent(&self, c: usize, eta_1: f64) -> bool {
+        eta_1 <= self.eta_2.data[c] * (1.0 + LENT)
     }
 
     /// Change of ln(viscosity) of the mixture in cell `c` when that of the grains goes from `old` to `new`.
