@@ -211,7 +211,7 @@ fn heap_between_walls() {
     // Second order: a quarter of it with four cells a grain.
     assert!(middle < 3.2e-3 && wall < 5e-3, "{middle} {wall}");
     assert!((mean - 0.77947).abs() < 3e-3, "{mean}");
-    // Faces hold or slide as a whole.
+    // Faces hold or slide as a whole: within a cell.
     assert!((sticks - 13.97).abs() <= 0.5, "{sticks}");
 
     // Neither the tolerances nor the steps on the way there have a say in it.
@@ -227,6 +227,30 @@ fn heap_between_walls() {
         println!("dt {dt} {control:?}: {change:.1e}, last step {:.1e}", report.change);
         assert!(change < 1e-3, "{change}");
     }
+}
+
+/// The same with four cells a grain: within 2e-3 of the surface's speed, and of the depth where the wall begins to hold
+/// within half a cell.
+#[test]
+fn heap_between_walls_with_four_cells_a_grain() {
+    let rows = reference("heap_dry/reference/heap_steady_th28_profiles.csv");
+    let (flow, report) = heap(4, 1e9, ResidualControl::default());
+    let (own, mean, sticks) = profiles(&flow);
+    let error = |k: usize| {
+        own.iter().map(|r| (r[k] - interpolate(&rows, 0, k, r[0])).abs()).fold(0.0, f64::max) / 3.33
+    };
+    let (middle, wall) = (error(1), error(2));
+    // At the surface, half a cell above the first row.
+    let surface = |k: usize| 1.5 * own[0][k] - 0.5 * own[1][k];
+    let tops = [surface(1), surface(2)];
+    println!(
+        "middle {middle:.1e} wall {wall:.1e} mean {mean:.5} sticks below {sticks:.3} d {tops:?}"
+    );
+    assert!(report.converged, "{report:?}");
+    assert!(middle < 2e-3 && wall < 2e-3, "{middle} {wall}");
+    assert!((tops[0] - 3.33).abs() < 6.66e-3 && (tops[1] - 2.6704).abs() < 6.66e-3, "{tops:?}");
+    assert!((mean - 0.77947).abs() < 2e-3, "{mean}");
+    assert!((sticks - 13.97).abs() <= 0.125, "{sticks}");
 }
 
 /// Steps that slide, turn round and stick allocate nothing.
