@@ -176,7 +176,7 @@ fn ranks_agree_where_grains_have_a_fluidity() {
         let apart = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         println!("apart by {apart:e} m/s of 0.16");
         // 1.1e-6 found, with residuals of 1e-11 as well. It is not the ranks: with those one rank that begins again from its own steady state
-        // moves by 8e-7. Steady states of heaps are no more unique than that (book, "Two fluids").
+        // moves by 7e-7. Steady states of heaps are no more unique than that (book, "Two fluids").
         assert!(apart < 2e-6, "{apart:e}");
     }
 }

@@ -195,17 +195,21 @@ fn profiles(flow: &Flow) -> (Vec<[f64; 3]>, f64, f64) {
     (rows, sum / m.volume[..m.n_cells].iter().sum::<f64>() / UNIT, sticks - half)
 }
 
+/// Greatest differences from the reference, of the speed of its surface: in the middle and at the wall.
+fn errors(own: &[[f64; 3]]) -> [f64; 2] {
+    let rows = reference("heap_dry/reference/heap_steady_th28_profiles.csv");
+    [1, 2].map(|k| {
+        own.iter().map(|r| (r[k] - interpolate(&rows, 0, k, r[0])).abs()).fold(0.0, f64::max) / 3.33
+    })
+}
+
 /// The heap of model.md, section 6, with two cells a grain; `cases/heap_dry` has four.
 #[test]
 fn heap_between_walls() {
-    let rows = reference("heap_dry/reference/heap_steady_th28_profiles.csv");
     let (flow, report) = heap(2, 1e9, ResidualControl::default());
     println!("heap: {} passes, {:?}", report.outer, report.residuals);
     let (own, mean, sticks) = profiles(&flow);
-    let error = |k: usize| {
-        own.iter().map(|r| (r[k] - interpolate(&rows, 0, k, r[0])).abs()).fold(0.0, f64::max) / 3.33
-    };
-    let (middle, wall) = (error(1), error(2));
+    let [middle, wall] = errors(&own);
     println!("middle {middle:.1e} wall {wall:.1e} mean {mean:.5} sticks below {sticks:.3} d");
     assert!(report.converged, "{report:?}");
     // Second order: a quarter of it with four cells a grain.
@@ -233,13 +237,9 @@ fn heap_between_walls() {
 /// within half a cell.
 #[test]
 fn heap_between_walls_with_four_cells_a_grain() {
-    let rows = reference("heap_dry/reference/heap_steady_th28_profiles.csv");
     let (flow, report) = heap(4, 1e9, ResidualControl::default());
     let (own, mean, sticks) = profiles(&flow);
-    let error = |k: usize| {
-        own.iter().map(|r| (r[k] - interpolate(&rows, 0, k, r[0])).abs()).fold(0.0, f64::max) / 3.33
-    };
-    let (middle, wall) = (error(1), error(2));
+    let [middle, wall] = errors(&own);
     // At the surface, half a cell above the first row.
     let surface = |k: usize| 1.5 * own[0][k] - 0.5 * own[1][k];
     let tops = [surface(1), surface(2)];

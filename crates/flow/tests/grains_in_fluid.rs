@@ -185,7 +185,7 @@ fn a_falling_block_falls_freely() {
             let (fall, missed) = run(ngf, *mixing, eta);
             println!("{name}, {eta} x: {fall} of g t, {missed} steps missed; mu(I) {local}");
             assert_eq!(of_local, 0);
-            // Of 25 steps 0 to 7 were missed.
+            // Of 25 steps 0 to 6 were missed; 12 where contact may come and go for ever.
             assert!(
                 missed < 10 && fall > least && (fall - local).abs() < 1e-3,
                 "{name}, {eta}: {fall}, {missed}"

@@ -4,8 +4,10 @@
 
 mod two_common;
 
+use granflow_base::Vec3;
 use granflow_flow::vof::Shape;
 use granflow_flow::{Mixing, ResidualControl};
+use granflow_fv::Condition;
 use granflow_fv::conditions::ZeroGradient;
 use granflow_mesh::{Mesh, PatchKind, PolyMesh, shapes};
 use granflow_par::Exec;
@@ -39,25 +41,35 @@ fn tank_with_orifice() -> PolyMesh {
     poly
 }
 
+/// The tank of `cases/silo` with grains up to `height`, solved to the tolerances there in `passes` at most.
+fn filled(poly: &PolyMesh, height: f64, passes: usize) -> Two<'_> {
+    let mut two = water_and_air(poly, Shape::cuboid([-1.0; 3], [9.0, height, 1.0]));
+    (two.rho, two.eta[1], two.gravity) = ([1.0, 1e-4], 1e-5, [0.0, -1.0, 0.0]);
+    (two.geometric, two.mixing) = (true, Mixing::Arithmetic);
+    two.rheology = Some(grains);
+    two.open = &["orifice", "yMax"];
+    two.numerics.outer = passes;
+    two.numerics.control = ResidualControl { u: 1e-4, p: 1e-5, viscosity: 1e-2 };
+    two.numerics.u.solver = granflow_linsolve::gamg();
+    two.numerics.p.solver = granflow_linsolve::gamg();
+    two
+}
+
+/// The velocity's conditions there.
+fn on_patch(name: &str) -> Box<dyn Condition<Vec3>> {
+    match name {
+        "xMin" => slip(),
+        "orifice" | "yMax" => Box::new(ZeroGradient),
+        _ => wall(),
+    }
+}
+
 /// The first step, from rest, to the tolerances of `cases/silo`: 37 passes found. Without a least stiffness along the flow
 /// (`newton.rs`) 100 are not enough.
 #[test]
 fn the_first_step_converges() {
     let poly = tank_with_orifice();
-    let mut two = water_and_air(&poly, Shape::cuboid([-1.0; 3], [9.0, 4.5, 1.0]));
-    (two.rho, two.eta[1], two.gravity) = ([1.0, 1e-4], 1e-5, [0.0, -1.0, 0.0]);
-    (two.geometric, two.mixing) = (true, Mixing::Arithmetic);
-    two.rheology = Some(grains);
-    two.open = &["orifice", "yMax"];
-    two.numerics.outer = 100;
-    two.numerics.control = ResidualControl { u: 1e-4, p: 1e-5, viscosity: 1e-2 };
-    two.numerics.u.solver = granflow_linsolve::gamg();
-    two.numerics.p.solver = granflow_linsolve::gamg();
-    let mut flow = two.flow(|patch| match patch {
-        "xMin" => slip(),
-        "orifice" | "yMax" => Box::new(ZeroGradient),
-        _ => wall(),
-    });
+    let mut flow = filled(&poly, 4.5, 100).flow(on_patch);
     let report = flow.step(2.4e-3).expect("a step");
     println!("{} passes, {:?}", report.outer, report.residuals);
     assert!(report.converged, "{:?}", report.residuals);
@@ -68,20 +80,9 @@ fn the_first_step_converges() {
 #[test]
 fn a_tank_kept_full_stays_full() {
     let poly = tank_with_orifice();
-    let mut two = water_and_air(&poly, Shape::cuboid([-1.0; 3], [9.0, 9.0, 1.0]));
-    (two.rho, two.eta[1], two.gravity) = ([1.0, 1e-4], 1e-5, [0.0, -1.0, 0.0]);
-    (two.geometric, two.mixing) = (true, Mixing::Arithmetic);
-    two.rheology = Some(grains);
-    (two.open, two.enters) = (&["orifice", "yMax"], 1.0);
-    two.numerics.outer = 1;
-    two.numerics.control = ResidualControl { u: 1e-4, p: 1e-5, viscosity: 1e-2 };
-    two.numerics.u.solver = granflow_linsolve::gamg();
-    two.numerics.p.solver = granflow_linsolve::gamg();
-    let mut flow = two.flow(|patch| match patch {
-        "xMin" => slip(),
-        "orifice" | "yMax" => Box::new(ZeroGradient),
-        _ => wall(),
-    });
+    let mut two = filled(&poly, 9.0, 1);
+    two.enters = 1.0;
+    let mut flow = two.flow(on_patch);
     for _ in 0..40 {
         let report = flow.step(1e-2).expect("a step");
         assert!(report.outer == 1);
